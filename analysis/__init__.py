@@ -1,0 +1,1 @@
+"""From recorded files to statistics: the record as a table, tests, fits and the report."""

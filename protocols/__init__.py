@@ -1,0 +1,1 @@
+"""Study definitions as data: one TOML file describes a study whole."""

@@ -1,0 +1,9 @@
+"""What goes wrong with input, said in one or two lines: where, expected, found, what to do."""
+
+
+class InputError(ValueError):
+    """Input that cannot be used; the message is for the person who gave it."""
+
+
+class InputWarning(UserWarning):
+    """Input that was read but looks suspicious."""
