@@ -20,7 +20,7 @@ from scipy.special import expit, logit, ndtr, ndtri
 
 from analysis.errors import InputError
 
-Array = np.ndarray[Any, np.dtype[np.float64]]
+Array = np.ndarray[Any, np.dtype[Any]]
 Curve = Callable[[Array], Array]
 
 _ROOT_TAU = float(np.sqrt(2 * np.pi))
@@ -33,7 +33,7 @@ class Function:
     name: str
     cdf: Curve
     survival: Curve  # 1 − cdf, precise where cdf is near 1
-    density: Curve  # derivative of cdf
+    parts: Callable[[Array], tuple[Array, Array, Array]]  # cdf, survival, derivative of cdf
     inverse: Curve
     transform: Curve  # level to the scale on which η is straight
     untransform: Curve
@@ -62,8 +62,9 @@ def _cloglog_survival(eta: Array) -> Array:
     return np.exp(-_exp(eta))
 
 
-def _cloglog_density(eta: Array) -> Array:
-    return np.exp(np.minimum(eta, 700.0) - _exp(eta))
+def _cloglog_parts(eta: Array) -> tuple[Array, Array, Array]:
+    hazard = _exp(np.minimum(eta, 700.0))
+    return -np.expm1(-hazard), np.exp(-hazard), hazard * np.exp(-hazard)
 
 
 def _cloglog_inverse(proportion: Array) -> Array:
@@ -71,29 +72,30 @@ def _cloglog_inverse(proportion: Array) -> Array:
         return np.log(-np.log1p(-proportion))
 
 
-def _logistic_density(eta: Array) -> Array:
-    return expit(eta) * expit(-eta)
+def _logistic_parts(eta: Array) -> tuple[Array, Array, Array]:
+    above, below = expit(eta), expit(-eta)
+    return above, below, above * below
 
 
-def _normal_density(eta: Array) -> Array:
-    return np.exp(-0.5 * eta * eta) / _ROOT_TAU
+def _normal_parts(eta: Array) -> tuple[Array, Array, Array]:
+    return ndtr(eta), ndtr(-eta), np.exp(-0.5 * eta * eta) / _ROOT_TAU
 
 
 def _reflected(curve: Curve) -> Curve:
     return lambda eta: curve(-eta)
 
 
-_CLOGLOG = (_cloglog, _cloglog_survival, _cloglog_density, _cloglog_inverse)
+_CLOGLOG = (_cloglog, _cloglog_survival, _cloglog_parts, _cloglog_inverse)
 
 FUNCTIONS: dict[str, Function] = {
     function.name: function
     for function in (
-        Function("logistic", expit, _reflected(expit), _logistic_density, logit, _same, _same, 1.0),
+        Function("logistic", expit, _reflected(expit), _logistic_parts, logit, _same, _same, 1.0),
         Function(
             "cumulative-normal",
             ndtr,
             _reflected(ndtr),
-            _normal_density,
+            _normal_parts,
             ndtri,
             _same,
             _same,

@@ -29,11 +29,14 @@ def test_proportion_is_the_printed_formula(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)
-def test_density_is_the_derivative_and_survival_the_complement(name: str) -> None:
+def test_parts_are_the_curve_its_complement_and_its_derivative(name: str) -> None:
     function, eta, h = FUNCTIONS[name], np.linspace(-4, 3, 29), 1e-6
     slope = (function.cdf(eta + h) - function.cdf(eta - h)) / (2 * h)
-    np.testing.assert_allclose(function.density(eta), slope, atol=1e-8)
-    np.testing.assert_allclose(function.cdf(eta) + function.survival(eta), 1, atol=1e-12)
+    for found, expected in zip(
+        function.parts(eta), (function.cdf(eta), 1 - function.cdf(eta), slope), strict=True
+    ):
+        np.testing.assert_allclose(found, expected, atol=1e-8)
+    np.testing.assert_allclose(function.survival(eta), 1 - function.cdf(eta), atol=1e-12)
 
 
 @given(

@@ -1,0 +1,169 @@
+"""Maximum-likelihood fits of a psychometric function, one or thousands at a time.
+
+Inside, the function is written `p = guess + (1 − guess − lapse)·F(a + b·z)` with z the
+transformed level brought to about −1..1, so that one grid of starts suits every table. The
+whole grid is evaluated for every row by two matrix products, and the best point of it is
+polished by Fisher scoring: no fit depends on a guessed start.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from analysis.errors import InputError
+from analysis.psychometric.counts import Counts
+from analysis.psychometric.functions import Array, Function, check_rates, function_named
+from analysis.psychometric.scoring import TINY, log_likelihood, maximise
+
+MAXIMUM_LAPSE = 0.1  # a free lapse rate stays below this (Wichmann and Hill 2001 hold it to .06)
+STEEPEST = 20.0  # bound on the change of η between neighbouring levels: beyond it, a step
+FINEST = 20  # levels are told apart no finer than this share of their range
+SHALLOWEST = 1e-3  # bound on the change of η over half the range of levels: below it, flat
+
+_CENTRES = np.linspace(-2.0, 2.0, 33)
+_STEEPNESSES = 14
+_LAPSES = (0.0, 0.02, 0.06)
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What is fitted: the function, the guess rate, and the lapse rate (None: free)."""
+
+    function: Function
+    guess: float = 0.5
+    lapse: float | None = None
+
+
+def setting(function: str | Function, guess: float = 0.5, lapse: float | None = None) -> Setting:
+    """A checked Setting; `lapse` None leaves the rate free between 0 and MAXIMUM_LAPSE."""
+    check_rates(guess, MAXIMUM_LAPSE if lapse is None else lapse)
+    return Setting(function_named(function), float(guess), None if lapse is None else float(lapse))
+
+
+@dataclass(frozen=True, eq=False)
+class Scale:
+    """The levels as the fit sees them: z = (t(level) − centre) / half."""
+
+    z: Array
+    centre: float
+    half: float
+    steepest: float
+
+
+def scale_of(levels: Array, function: Function) -> Scale:
+    """Bring levels (L,) to about −1..1; raises InputError where the function has no such level."""
+    t = function.transform(levels)
+    if not np.isfinite(t).all():
+        raise InputError(
+            f"levels: expected numbers above 0 for the {function.name} function, "
+            f"found {levels[~np.isfinite(t)][0]:g}"
+        )
+    low, high = float(t.min()), float(t.max())
+    half = (high - low) / 2 or 1.0
+    return Scale(
+        (t - (low + high) / 2) / half,
+        (low + high) / 2,
+        half,
+        STEEPEST * min(max(len(levels) - 1, 1), FINEST) / 2,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Batch:
+    """B fits: a, b, lapse and log likelihood (B,), on the levels of `scale`."""
+
+    setting: Setting
+    scale: Scale
+    a: Array
+    b: Array
+    lapse: Array
+    value: Array
+
+    @property
+    def slope(self) -> Array:
+        return self.b / (self.scale.half * self.setting.function.scale)
+
+    @property
+    def location(self) -> Array:
+        return self.threshold(None)
+
+    def threshold(self, at: float | None) -> Array:
+        """Level (B,) at proportion `at` (None: at the location), infinite for a flat function."""
+        function, rate = self.setting.function, self.setting.guess
+        eta: Array | float = 0.0
+        if at is not None:
+            share = (at - rate) / (1 - rate - self.lapse)
+            eta = function.inverse(np.where((share > 0) & (share < 1), share, np.nan))
+        with np.errstate(divide="ignore", over="ignore"):
+            z = (eta - self.a) / self.b
+            return function.untransform(self.scale.centre + self.scale.half * z)
+
+
+def fit_batch(
+    levels: Array, correct: Array, total: Array, what: Setting, falling: bool = False
+) -> Batch:
+    """Fit every row of `correct` and `total` (B, L) at the same `levels` (L,).
+
+    The function rises, or falls when `falling`; its slope and the free lapse rate keep to the
+    bounds named above. Raises InputError for levels that the function cannot take.
+    """
+    scale = scale_of(levels, what.function)
+    sign = -1.0 if falling else 1.0
+    start = _best_of_grid(scale, what, sign, correct, total)
+    steep = (sign * scale.steepest, sign * SHALLOWEST)
+    lower = np.array([-np.inf, min(steep), 0.0])
+    upper = np.array([np.inf, max(steep), MAXIMUM_LAPSE])
+    if what.lapse is not None:
+        start, lower, upper = start[:, :2], lower[:2], upper[:2]
+
+    def model(theta: Array, _: Array) -> tuple[Array, Array, Array]:
+        return curve(scale.z, theta, what)
+
+    theta, value = maximise(model, start, lower, upper, correct, total)
+    lapse = np.full(len(theta), what.lapse) if what.lapse is not None else theta[:, 2]
+    return Batch(what, scale, theta[:, 0], theta[:, 1], lapse, value)
+
+
+def curve(z: Array, theta: Array, what: Setting) -> tuple[Array, Array, Array]:
+    """Proportion (B, L), complement, and Jacobian (B, P, L) by a, b and, when free, lapse."""
+    function, guess = what.function, what.guess
+    eta = theta[:, :1] + theta[:, 1:2] * z
+    lapse = theta[:, 2:3] if what.lapse is None else what.lapse
+    span = 1 - guess - lapse
+    f, rest, slant = function.parts(eta)
+    slant = span * slant
+    parts = [slant, slant * z]
+    if what.lapse is None:
+        parts.append(-f)
+    return guess + span * f, lapse + span * rest, np.stack(parts, 1)
+
+
+def fit(data: Counts, what: Setting, falling: bool = False) -> Batch:
+    """The one fit of `data`: a batch of one row."""
+    return fit_batch(data.levels, data.correct[None], data.total[None], what, falling)
+
+
+def saturated(correct: Array, total: Array) -> Array:
+    """Log likelihood of the proportions themselves, summed over the last axis."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        p = np.where(total > 0, correct / total, 0.5)
+    return log_likelihood(p, 1 - p, correct, total)
+
+
+def deviance(batch: Batch, correct: Array, total: Array) -> Array:
+    """Twice the log likelihood (B,) that the fit loses on the observed proportions."""
+    return np.maximum(2 * (saturated(correct, total) - batch.value), 0.0)
+
+
+def _best_of_grid(scale: Scale, what: Setting, sign: float, correct: Array, total: Array) -> Array:
+    """The start (B, 3) of highest likelihood among centres × steepnesses × lapses."""
+    steepness = np.geomspace(0.2, scale.steepest, _STEEPNESSES)
+    lapses = np.array(_LAPSES if what.lapse is None else (what.lapse,))
+    centre, b, lapse = (g.ravel() for g in np.meshgrid(_CENTRES, sign * steepness, lapses))
+    eta = b[:, None] * (scale.z - centre[:, None])
+    span = 1 - what.guess - lapse[:, None]
+    p = what.guess + span * what.function.cdf(eta)
+    q = lapse[:, None] + span * what.function.survival(eta)
+    log_p, log_q = np.log(np.maximum(p, TINY)), np.log(np.maximum(q, TINY))
+    best = (correct @ log_p.T + (total - correct) @ log_q.T).argmax(1)
+    return np.stack([-b * centre, b, lapse], 1)[best]

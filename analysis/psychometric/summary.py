@@ -1,0 +1,166 @@
+"""A fit with everything that is reported of it: interval, goodness of fit and verdict."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from analysis.psychometric.bootstrap import (
+    PeopleCounts,
+    percentile_interval,
+    resample_parametric,
+    resample_people,
+    resample_trials,
+)
+from analysis.psychometric.counts import Counts
+from analysis.psychometric.fit import Batch, Setting, deviance, fit, fit_batch
+from analysis.psychometric.functions import Array
+from analysis.psychometric.verdict import INTERVAL, judge, sentence
+
+INTERVALS = {
+    "profile": "profile likelihood",
+    "parametric": "parametric bootstrap",
+    "trials": "non-parametric bootstrap of trials",
+    "people": "bootstrap of people, then of trials within people",
+}
+SAMPLES = 2000
+
+
+@dataclass(frozen=True)
+class Threshold:
+    """Level at proportion `at` with the ends of its 95 % interval; ±inf where unbounded."""
+
+    at: float
+    value: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Summary:
+    """One fit as reported; the numbers stand even where the verdict denies them."""
+
+    function: str
+    location: float
+    slope: float
+    guess: float
+    lapse: float
+    log_likelihood: float
+    deviance: float
+    deviance_p: float | None
+    thresholds: tuple[Threshold, ...]
+    interval_method: str
+    verdicts: tuple[str, ...]
+    trials: int
+
+    @property
+    def verdict(self) -> str:
+        return self.verdicts[0]
+
+    def as_dict(self) -> dict[str, Any]:
+        """The fields of `segue fit`; what the verdict denies is None."""
+        denied = self.verdict != "ok"
+
+        def kept(value: float | None) -> float | None:
+            return None if denied or value is None or not np.isfinite(value) else float(value)
+
+        return {
+            "location": kept(self.location),
+            "slope": kept(self.slope),
+            "guess": self.guess,
+            "lapse": kept(self.lapse),
+            "log_likelihood": self.log_likelihood,
+            "deviance": kept(self.deviance),
+            "deviance_p": kept(self.deviance_p),
+            "threshold": threshold_dict(self.thresholds[0], self.verdicts[0]),
+            "interval_method": self.interval_method,
+            "verdict": self.verdict,
+        }
+
+
+def threshold_dict(threshold: Threshold, verdict: str) -> dict[str, float | None]:
+    """A threshold as JSON; None for what is denied or unbounded."""
+    numbers = {"value": threshold.value, "low": threshold.low, "high": threshold.high}
+    return {"at": threshold.at} | {
+        name: float(value) if verdict == "ok" and np.isfinite(value) else None
+        for name, value in numbers.items()
+    }
+
+
+def summarise(
+    data: Counts | PeopleCounts,
+    what: Setting,
+    at: tuple[float, ...] = (0.75,),
+    *,
+    interval: str = "profile",
+    samples: int = SAMPLES,
+    rng: np.random.Generator | None = None,
+) -> Summary:
+    """Fit `data` and say everything about it; the first of `at` decides the main verdict.
+
+    `interval` is a key of INTERVALS ("people" needs PeopleCounts); `samples` sets the bootstrap
+    and the simulated p of the deviance (0: neither).
+    """
+    rng = np.random.default_rng(0) if rng is None else rng
+    pooled = data.pooled() if isinstance(data, PeopleCounts) else data
+    fits = fit(pooled, what)
+    correct, total = pooled.correct[None], pooled.total[None]
+    judged = [judge(pooled.levels, fits, correct, total, each) for each in at]
+    ends = [(float(low[0]), float(high[0])) for _, low, high in judged]
+    if interval != "profile" and samples:
+        again = _refit(data, pooled, fits, interval, samples, rng)
+        ends = [percentile_interval(again.threshold(each), INTERVAL) for each in at]
+    lost = float(deviance(fits, correct, total)[0])
+    return Summary(
+        function=what.function.name,
+        location=float(fits.location[0]),
+        slope=float(fits.slope[0]),
+        guess=what.guess,
+        lapse=float(fits.lapse[0]),
+        log_likelihood=float(fits.value[0]),
+        deviance=lost,
+        deviance_p=deviance_p(fits, pooled.total, lost, samples, rng) if samples else None,
+        thresholds=tuple(
+            Threshold(each, float(fits.threshold(each)[0]), *end)
+            for each, end in zip(at, ends, strict=True)
+        ),
+        interval_method=INTERVALS[interval if samples else "profile"]
+        + (f", {samples} samples" if interval != "profile" and samples else ""),
+        verdicts=tuple(sentence(int(verdict[0])) for verdict, _, _ in judged),
+        trials=pooled.trials,
+    )
+
+
+def _refit(
+    data: Counts | PeopleCounts,
+    pooled: Counts,
+    fits: Batch,
+    interval: str,
+    samples: int,
+    rng: np.random.Generator,
+) -> Batch:
+    if isinstance(data, PeopleCounts) and interval == "people":
+        correct, total = resample_people(data, samples, rng)
+    elif interval == "parametric":
+        correct, total = resample_parametric(fits, pooled.total, samples, rng)
+    else:
+        correct, total = resample_trials(pooled, samples, rng)
+    return fit_batch(pooled.levels, correct, total, fits.setting)
+
+
+def deviance_p(
+    fits: Batch, total: Array, observed: float, samples: int, rng: np.random.Generator
+) -> float:
+    """Share of sets simulated from the fit whose own deviance is at least the observed one.
+
+    The χ² approximation does not hold for few trials a level (Wichmann and Hill 2001, part I).
+    """
+    correct, total = resample_parametric(fits, total, samples, rng)
+    simulated = deviance(fit_batch_like(fits, correct, total), correct, total)
+    return float((1 + (simulated >= observed - 1e-9).sum()) / (1 + samples))
+
+
+def fit_batch_like(fits: Batch, correct: Array, total: Array) -> Batch:
+    """Fit other counts at the same levels and setting."""
+    levels = fits.setting.function.untransform(fits.scale.centre + fits.scale.half * fits.scale.z)
+    return fit_batch(levels, correct, total, fits.setting)
