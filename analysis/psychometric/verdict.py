@@ -28,7 +28,7 @@ REASONS = (
 
 
 def constant_p(value: Array, correct: Array, total: Array) -> Array:
-    """p (B,) of the likelihood ratio of fits of log likelihood `value` (B,) against one constant proportion.
+    """p (B,) of the likelihood ratio of fits, of log likelihood `value` (B,), against a constant.
 
     One degree of freedom, for the slope. A constant leaves the location undefined, but the
     guess rate bounds the function from below, and by simulation the ratio stays conservative:

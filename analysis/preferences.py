@@ -1,0 +1,122 @@
+"""Which of two was preferred: the tests against one half.
+
+χ² with one degree of freedom as in the dissertation (V.2.2), the exact binomial test, and the
+interval of Wilson (1927).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from scipy.stats import binom, binomtest, chi2
+
+from analysis.psychometric.functions import Array
+
+ALL = "all"
+
+
+@dataclass(frozen=True)
+class Preference:
+    """`prefer_a` of `n` answers chose a; percentages with the ends of the 95 % interval."""
+
+    n: int
+    prefer_a: int
+    percent: float | None
+    low: float | None
+    high: float | None
+    chi2: float | None
+    df: int
+    p: float | None
+    binomial_p: float | None
+
+
+def preference(prefer_a: int, n: int, level: float = 0.95) -> Preference:
+    """Everything about one count; the numbers are None when nobody answered."""
+    if n == 0:
+        return Preference(0, 0, None, None, None, None, 1, None, None)
+    test = binomtest(prefer_a, n, 0.5)
+    ends = test.proportion_ci(level, method="wilson")
+    statistic = chi_square(prefer_a, n)
+    return Preference(
+        n=n,
+        prefer_a=prefer_a,
+        percent=100 * prefer_a / n,
+        low=100 * float(ends.low),
+        high=100 * float(ends.high),
+        chi2=statistic,
+        df=1,
+        p=float(chi2.sf(statistic, 1)),
+        binomial_p=float(test.pvalue),
+    )
+
+
+def chi_square(prefer_a: int, n: int) -> float:
+    """χ²(1) of a count against one half: Σ (observed − n/2)² / (n/2) over the two choices."""
+    return (2 * prefer_a - n) ** 2 / n
+
+
+@dataclass(frozen=True, eq=False)
+class Contest:
+    """The answered trials of two methods; `choices` has columns participant, motion, chose_a
+    (0 or 1), a_first (0 or 1)."""
+
+    a: str
+    b: str
+    category: str
+    choices: pd.DataFrame
+
+    @property
+    def count(self) -> Preference:
+        return preference(int(self.choices["chose_a"].sum()), len(self.choices))
+
+    def per_motion(self) -> list[tuple[str, Preference]]:
+        return [
+            (str(motion), preference(int(part["chose_a"].sum()), len(part)))
+            for motion, part in self.choices.groupby("motion", sort=True)
+        ]
+
+
+def contests(trials: pd.DataFrame, order: tuple[str, ...] = ()) -> list[Contest]:
+    """Answered trials split by pair of methods and category (`all` first).
+
+    `order` names the protocol's methods: the one named earlier is `a`.
+    """
+    answered = trials[trials["chosen_method"].notna()]
+    first, second = answered["first_method"].astype(str), answered["second_method"].astype(str)
+    named = list(order) + sorted((set(first) | set(second)) - set(order))
+    place = {method: number for number, method in enumerate(named)}
+    swapped = first.map(place) > second.map(place)
+    a, b = first.where(~swapped, second), second.where(~swapped, first)
+    choices = pd.DataFrame(
+        {
+            "participant": answered["participant"].astype(str),
+            "motion": _column(answered, "motion"),
+            "category": _column(answered, "category"),
+            "chose_a": (answered["chosen_method"].astype(str) == a).astype(int),
+            "a_first": (~swapped).astype(int),
+            "a": a,
+            "b": b,
+        }
+    )
+    found: list[Contest] = []
+    pairs = sorted(set(zip(a, b, strict=True)), key=lambda pair: (place[pair[0]], place[pair[1]]))
+    for pair in pairs:
+        both = choices[(choices["a"] == pair[0]) & (choices["b"] == pair[1])]
+        found.append(Contest(*pair, ALL, both))
+        categories = sorted(set(both["category"]) - {""})
+        for category in categories if len(categories) > 1 else []:
+            found.append(Contest(*pair, category, both[both["category"] == category]))
+    return found
+
+
+def _column(table: pd.DataFrame, name: str) -> pd.Series:
+    if name not in table:
+        return pd.Series("", table.index, dtype=object)
+    return table[name].fillna("").astype(str)
+
+
+def critical(n: int, alpha: float) -> int:
+    """Smallest majority of `n` answers that the exact two-sided test finds significant."""
+    majorities: Array = np.arange(n // 2 + 1, n + 1)
+    significant = majorities[2 * binom.sf(majorities - 1, n, 0.5) < alpha]
+    return int(significant[0]) if len(significant) else n + 1
