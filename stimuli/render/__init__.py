@@ -1,0 +1,24 @@
+"""A motion drawn: the body of a skeleton, the camera that holds it, light, pictures, video files.
+
+Built once for a skeleton: the reference pose (`reference`), its landmarks (`landmarks`), the parts
+of a body between them (`parts`, `shapes`), a skin over them (`bodies`: separate parts lofted one
+by one, or one closed surface of their distance field) and the bones that carry it (`rig`). Drawn
+for each frame: the skin, its light and one picture (`scene`, the only module that uses OpenGL,
+which is imported when the first picture is drawn). `video` writes and reads clips.
+"""
+
+from stimuli.render.appearance import Appearance
+from stimuli.render.clip import group_camera, render_frames, write_clip
+from stimuli.render.strip import strip, write_png
+from stimuli.render.video import decode, write_video
+
+__all__ = [
+    "Appearance",
+    "decode",
+    "group_camera",
+    "render_frames",
+    "strip",
+    "write_clip",
+    "write_png",
+    "write_video",
+]

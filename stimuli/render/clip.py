@@ -1,0 +1,67 @@
+"""From a motion to pictures: the body, the camera that holds it, the file."""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from stimuli.motion.kinematics import forward, headings
+from stimuli.motion.quaternions import Array
+from stimuli.motion.skeleton import Motion
+from stimuli.render.appearance import Appearance
+from stimuli.render.bodies import Body, make_body
+from stimuli.render.camera import Camera, fit_camera
+from stimuli.render.rig import dual_quaternions, skin
+from stimuli.render.video import Frames, write_video
+
+EVERY = 23  # one vertex in so many is enough to know how far a body reaches
+SKIN = 0.02  # metres, what the vertices between those may reach further
+
+
+def group_camera(body: Body, motions: Sequence[Motion], heading: float, look: Appearance) -> Camera:
+    """The camera that holds the body in every frame of every motion of a group."""
+    reach = np.concatenate([outline(body, motion) for motion in motions])
+    spread = np.concatenate([reach + SKIN * sign for sign in (-1.0, 1.0)])
+    return fit_camera(spread, heading, look)
+
+
+def outline(body: Body, motion: Motion) -> Array:
+    """(N, 3) points of the moving skin that tell how far it reaches."""
+    positions, orientations = forward(motion.skeleton, motion.rotations, motion.root)
+    bones = dual_quaternions(body.rig, positions, orientations).astype(np.float32)
+    chosen = slice(None, None, EVERY)
+    weights, points, normals = body.weights[chosen], body.points[chosen], body.normals[chosen]
+    moved = [skin(weights, frame, points, normals)[0] for frame in bones]
+    return np.concatenate(moved).astype(float)
+
+
+def render_frames(
+    motion: Motion,
+    look: Appearance,
+    *,
+    body: Body | None = None,
+    camera: Camera | None = None,
+    middle: int | None = None,
+) -> Iterator[Frames]:
+    """Each frame of a motion as (height, width, 3) RGB, seen three-quarter at frame `middle`."""
+    from stimuli.render.scene import renderer
+
+    body = body or make_body(motion, look.style)
+    at = len(motion) // 2 if middle is None else middle
+    camera = camera or group_camera(body, [motion], float(headings(motion)[at]), look)
+    with renderer(body, camera, look) as drawing:
+        yield from drawing.frames(motion)
+
+
+def write_clip(
+    motion: Motion,
+    path: Path,
+    look: Appearance | None = None,
+    *,
+    body: Body | None = None,
+    camera: Camera | None = None,
+    middle: int | None = None,
+) -> int:
+    """Render a motion to `path` (.mkv lossless, .mp4 for looking at); returns how many frames."""
+    frames = render_frames(motion, look or Appearance(), body=body, camera=camera, middle=middle)
+    return write_video(path, frames, motion.fps)

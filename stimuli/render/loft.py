@@ -1,0 +1,60 @@
+"""Skin of a single part: rings swept along its axis, closed by rounded ends."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stimuli.render.shapes import DENSE, Floats, Part
+
+SIDES = 20
+RINGS = 14
+CAP_RINGS = 5
+
+
+def loft(part: Part) -> tuple[Floats, NDArray[np.int32], Floats]:
+    """Vertices (V, 3), faces (T, 3) seen from outside, and each vertex's place (V,) on the axis."""
+    steps = np.linspace(0, np.pi / 2, CAP_RINGS + 1)[:-1]
+    place = np.concatenate([np.zeros(CAP_RINGS), np.linspace(0, 1, RINGS), np.ones(CAP_RINGS)])
+    scale = np.concatenate([np.sin(steps), np.ones(RINGS), np.sin(steps)[::-1]])
+    beyond = np.concatenate(
+        [-part.caps[0] * np.cos(steps), np.zeros(RINGS), part.caps[1] * np.cos(steps)[::-1]]
+    )
+    scale[[0, -1]] = 1e-3  # a pole is a tiny ring: every row has the same number of vertices
+    stations = np.linspace(0, 1, DENSE)
+    width, depth, shift = (
+        np.interp(place, stations, curve) for curve in (part.widths, part.depths, part.shift)
+    )
+    angle = np.linspace(0, 2 * np.pi, SIDES, endpoint=False)
+    local = np.stack(
+        np.broadcast_arrays(
+            (scale * width)[:, None] * np.sin(angle),
+            (place * part.length + beyond)[:, None],
+            shift[:, None] + (scale * depth)[:, None] * np.cos(angle),
+        ),
+        axis=-1,
+    ).reshape(-1, 3)
+    points = part.start + local @ part.frame
+    if part.floor is not None:
+        points[:, 1] = np.maximum(points[:, 1], part.floor)
+    return points, _tube(len(place)), np.repeat(place, SIDES)
+
+
+def _tube(rows: int) -> NDArray[np.int32]:
+    """(T, 3) faces between neighbouring rings of a tube of `rows` rings."""
+    row, side = np.meshgrid(np.arange(rows - 1), np.arange(SIDES), indexing="ij")
+    here = (row * SIDES + side).ravel()
+    right = (row * SIDES + (side + 1) % SIDES).ravel()
+    above, across = here + SIDES, right + SIDES
+    faces = np.concatenate(
+        [np.stack([here, right, across], axis=-1), np.stack([here, across, above], axis=-1)]
+    )
+    return faces.astype(np.int32)
+
+
+def vertex_normals(points: Floats, faces: NDArray[np.integer]) -> Floats:
+    """(V, 3) unit normals: the area-weighted mean of the faces around each vertex."""
+    a, b, c = (points[faces[:, k]] for k in range(3))
+    across = np.cross(b - a, c - a)
+    normals = np.zeros_like(points)
+    for k in range(3):
+        np.add.at(normals, faces[:, k], across)
+    return normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)

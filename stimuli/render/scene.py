@@ -1,0 +1,152 @@
+"""Drawing one figure offscreen, frame after frame, through pyrender and EGL.
+
+The figure is a single mesh whose vertex buffer is rewritten in place for each frame: one draw
+call, and the same bytes on every run. Only the part of the picture that the figure covers is
+cleared, resolved and read back; the rest is background. Depth is never read.
+
+One renderer a process; close it before the process ends.
+"""
+
+import os
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stimuli.motion.kinematics import forward
+from stimuli.motion.skeleton import Motion
+from stimuli.render.appearance import Appearance
+from stimuli.render.bodies import Body
+from stimuli.render.camera import Camera
+from stimuli.render.light import shade
+from stimuli.render.rig import dual_quaternions, skin
+from stimuli.render.shapes import Floats
+
+Frames = NDArray[np.uint8]
+NEAR, FAR = 0.05, 200.0
+BORDER = 2  # pixels around the figure's box, for its antialiased edge
+
+
+class Renderer:
+    """An offscreen context with one body in it."""
+
+    def __init__(self, body: Body, camera: Camera, look: Appearance) -> None:
+        self.body, self.camera, self.look = body, camera, look
+        pyrender = import_pyrender()
+        from pyrender.platforms import egl
+
+        self._platform = egl.EGLPlatform(look.width, look.height, device=egl.get_device_by_index(0))
+        self._platform.init_context()
+        self._platform.make_current()
+        self._scene, self._primitive = _scene(pyrender, body, camera, look)
+        self._drawing = _drawing(pyrender)(look.width, look.height)
+        self._flags = pyrender.RenderFlags.FLAT | pyrender.RenderFlags.OFFSCREEN
+        self._background = np.empty((look.height, look.width, 3), dtype=np.uint8)
+        self._background[:] = np.rint(np.array(look.background) * 255)
+        self._tint = np.array(look.colour, dtype=np.float32)
+        self._buffer = np.ones((len(body.points), 7), dtype=np.float32)
+
+    def frames(self, motion: Motion) -> Iterator[Frames]:
+        """Each frame of the motion as (height, width, 3) RGB."""
+        positions, orientations = forward(motion.skeleton, motion.rotations, motion.root)
+        for bones in dual_quaternions(self.body.rig, positions, orientations).astype(np.float32):
+            points, normals = skin(self.body.weights, bones, self.body.points, self.body.normals)
+            yield self.draw(points, normals)
+
+    def draw(self, points: Floats, normals: Floats) -> Frames:
+        """One picture (height, width, 3) of the skin at `points` with `normals` (V, 3)."""
+        from OpenGL import GL
+
+        buffer = self._buffer
+        buffer[:, :3] = points
+        buffer[:, 3:6] = shade(normals, self.body.openness, self.camera.axes)[:, None] * self._tint
+        if not self._primitive._in_context():
+            self._drawing._update_context(self._scene, self._flags)
+        GL.glBindBuffer(GL.GL_ARRAY_BUFFER, self._primitive._buffers[0])
+        GL.glBufferSubData(GL.GL_ARRAY_BUFFER, 0, buffer.nbytes, buffer)
+        picture = self._background.copy()
+        left, top, right, bottom = self._box(points)
+        if left < right and top < bottom:
+            box = (left, self.look.height - bottom, right - left, bottom - top)
+            self._drawing.box = box
+            GL.glEnable(GL.GL_SCISSOR_TEST)
+            GL.glScissor(*box)
+            picture[top:bottom, left:right] = self._drawing.render(self._scene, self._flags)
+        return picture
+
+    def _box(self, points: Floats) -> tuple[int, int, int, int]:
+        """Left, top, right and bottom pixels of the box around the figure, within the picture."""
+        size = np.array([self.look.width, self.look.height])
+        pixels, _ = self.camera.project(points, self.look.width, self.look.height)
+        low = np.clip(np.floor(pixels.min(axis=0)) - BORDER, 0, size).astype(int)
+        high = np.clip(np.ceil(pixels.max(axis=0)) + BORDER, 0, size).astype(int)
+        return int(low[0]), int(low[1]), int(high[0]), int(high[1])
+
+    def close(self) -> None:
+        """Free the context; it must not outlive its process."""
+        if self._platform is not None:
+            self._drawing.delete()
+            self._platform.delete_context()
+            self._platform = None
+
+
+@contextmanager
+def renderer(body: Body, camera: Camera, look: Appearance) -> Iterator[Renderer]:
+    """A renderer that is closed whatever happens."""
+    drawing = Renderer(body, camera, look)
+    try:
+        yield drawing
+    finally:
+        drawing.close()
+
+
+def import_pyrender() -> Any:
+    """pyrender for EGL, without the warnings of its imports.
+
+    The platform is chosen by an environment variable that PyOpenGL reads when it is imported.
+    """
+    os.environ["PYOPENGL_PLATFORM"] = "egl"
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", category=DeprecationWarning, module=r"(OpenGL|pyrender)")
+        import pyrender
+    return pyrender
+
+
+def _scene(pyrender: Any, body: Body, camera: Camera, look: Appearance) -> tuple[Any, Any]:
+    """A scene of the body's mesh and the camera; the mesh's one primitive."""
+    primitive = pyrender.Primitive(
+        positions=body.points,
+        color_0=np.ones((len(body.points), 4), dtype=np.float32),
+        indices=body.faces.astype(np.uint32),
+        material=pyrender.MetallicRoughnessMaterial(baseColorFactor=(1.0, 1.0, 1.0, 1.0)),
+    )
+    scene = pyrender.Scene(bg_color=(*look.background, 1.0))
+    scene.add(pyrender.Mesh([primitive]))
+    lens = pyrender.PerspectiveCamera(camera.field_of_view, znear=NEAR, zfar=FAR)
+    scene.add(lens, pose=camera.pose)
+    return scene, primitive
+
+
+def _drawing(pyrender: Any) -> Any:
+    """pyrender's renderer, reading back only the colours inside `box`."""
+    from OpenGL import GL
+    from pyrender.renderer import Renderer as Base
+
+    class Drawing(Base):
+        box: tuple[int, int, int, int]
+
+        def _read_main_framebuffer(self, scene: Any, flags: int) -> Frames:
+            x, y, width, height = self.box
+            corners = (x, y, x + width, y + height)
+            GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, self._main_fb_ms)
+            GL.glBindFramebuffer(GL.GL_DRAW_FRAMEBUFFER, self._main_fb)
+            GL.glBlitFramebuffer(*corners, *corners, GL.GL_COLOR_BUFFER_BIT, GL.GL_NEAREST)
+            GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, self._main_fb)
+            raw = GL.glReadPixels(*self.box, GL.GL_RGBA, GL.GL_UNSIGNED_BYTE)
+            pixels = np.frombuffer(raw, dtype=np.uint8).reshape(height, width, 4)
+            return pixels[::-1, :, :3]
+
+    return Drawing
