@@ -1,0 +1,18 @@
+"""Readers of motion files, one a format, in a table by suffix; each returns a `Source`."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from stimuli.motion.formats.bvh import read_bvh
+from stimuli.motion.formats.deepmimic import read_deepmimic
+from stimuli.motion.formats.source import Source
+
+Reader = Callable[[Path, bytes, float | None], Source]
+
+READERS: Mapping[str, Reader] = {
+    ".bvh": read_bvh,
+    ".json": read_deepmimic,
+    ".txt": read_deepmimic,
+}
+
+__all__ = ["READERS", "Reader", "Source"]

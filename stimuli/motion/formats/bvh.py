@@ -1,0 +1,318 @@
+"""Reading BVH, of any exporter: hierarchy by statements, all numbers in one call.
+
+Position channels replace OFFSET, as Blender, MotionBuilder and Maya do. Euler angles apply in
+the order of a joint's own channels, intrinsically.
+"""
+
+import re
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from stimuli.motion import quaternions as quat
+from stimuli.motion.formats.numbers import parse_numbers
+from stimuli.motion.formats.source import (
+    LARGEST_NUMBER,
+    MOST_JOINTS,
+    Source,
+    decode,
+    fault,
+    rate,
+    shown,
+)
+from stimuli.motion.quaternions import Array
+
+_CHANNEL = re.compile(r"([XYZ])(position|rotation)", re.IGNORECASE)
+_MOTION = re.compile(r"^[ \t]*MOTION[ \t]*\r?$", re.MULTILINE | re.IGNORECASE)
+_FRAMES = re.compile(r"\s*Frames\s*:\s*(\S*)", re.IGNORECASE)
+_FRAME_TIME = re.compile(r"\s*Frame\s*Time\s*:[ \t]*(\S*)", re.IGNORECASE)
+_AXES = "XYZ"
+
+
+@dataclass
+class _Hierarchy:
+    """A hierarchy while it is read."""
+
+    path: Path
+    names: list[str] = field(default_factory=list)
+    parents: list[int] = field(default_factory=list)
+    offsets: list[Array] = field(default_factory=list)
+    channels: list[list[tuple[str, int]]] = field(default_factory=list)
+    end_parents: list[int] = field(default_factory=list)
+    end_offsets: list[Array] = field(default_factory=list)
+
+
+def read_bvh(path: Path, data: bytes, fps: float | None = None) -> Source:
+    """The motion of a BVH file; `fps` overrides its frame time. InputError when malformed."""
+    text = decode(path, data)
+    start = _MOTION.search(text)
+    if not re.match(r"\s*HIERARCHY", text, re.IGNORECASE):
+        raise fault(
+            path, "HIERARCHY", shown(text[:40]), "This is no BVH file; export it as BVH.", 1
+        )
+    if start is None:
+        raise fault(
+            path,
+            "a line MOTION after the hierarchy",
+            "none",
+            "The file is cut short, or holds a skeleton alone; export the motion with it.",
+        )
+    hierarchy = _read_hierarchy(path, text[: start.start()])
+    values, frame_time, warnings = _read_motion(path, text, start.end(), hierarchy)
+    rotations, root, strays, at_rest = _poses(hierarchy, values)
+    return Source(
+        format="bvh",
+        names=tuple(hierarchy.names),
+        parents=np.array(hierarchy.parents),
+        offsets=np.array(hierarchy.offsets),
+        end_parents=np.array(hierarchy.end_parents, dtype=int),
+        end_offsets=np.array(hierarchy.end_offsets).reshape(-1, 3),
+        rotations=rotations,
+        root=root,
+        fps=fps if fps is not None else frame_time,
+        strays=strays,
+        at_rest=at_rest,
+        warnings=tuple(warnings),
+    )
+
+
+def _read_hierarchy(path: Path, text: str) -> _Hierarchy:
+    """The joints; statements are lines, with braces standing for themselves."""
+    tree = _Hierarchy(path)
+    stack: list[int] = []  # open joints; −1 stands for an End Site
+    opening: int | None = None  # a joint or End Site named, its brace not yet seen
+    end_site = -1
+    for number, raw in enumerate(text.split("\n"), start=1):
+        for line in re.split(r"([{}])", raw):
+            words = line.split()
+            if not words:
+                continue
+            keyword = words[0].upper()
+            if keyword == "{":
+                if opening is None:
+                    raise _misplaced(path, "{", number)
+                stack.append(opening)
+                opening = None
+            elif keyword == "}":
+                if not stack or opening is not None:
+                    raise _misplaced(path, "}", number)
+                stack.pop()
+            elif keyword in ("ROOT", "JOINT"):
+                opening = _add_joint(tree, stack, words, opening, number)
+            elif keyword == "END":
+                if not stack or stack[-1] == end_site or opening is not None:
+                    raise _misplaced(path, "End Site", number)
+                tree.end_parents.append(stack[-1])
+                tree.end_offsets.append(np.zeros(3))
+                opening = end_site
+            elif keyword in ("OFFSET", "CHANNELS") and stack and opening is None:
+                _set_property(tree, stack[-1], words, number)
+            elif keyword != "HIERARCHY":
+                raise _misplaced(path, shown(line), number)
+    if stack or opening is not None or not tree.names:
+        raise fault(
+            path,
+            "every { of the hierarchy closed by a }",
+            f"{len(stack)} open before MOTION" if tree.names else "no joints",
+            "The file is damaged; export it again.",
+        )
+    return tree
+
+
+def _misplaced(path: Path, what: str, line: int) -> Exception:
+    return fault(
+        path,
+        "ROOT, JOINT, End Site, OFFSET, CHANNELS or a brace in its place",
+        f"{what} out of place",
+        "Check the braces above this line, or export the file again.",
+        line,
+    )
+
+
+def _add_joint(
+    tree: _Hierarchy, stack: list[int], words: list[str], opening: int | None, line: int
+) -> int:
+    """Open a joint; returns its index."""
+    is_root = words[0].upper() == "ROOT"
+    if is_root and tree.names:
+        raise fault(
+            tree.path,
+            "one ROOT",
+            f"a second one, {shown(' '.join(words[1:]))}",
+            "Segue reads one character a file; save each root as a file of its own.",
+            line,
+        )
+    if opening is not None or (not is_root and (not stack or stack[-1] < 0)):
+        raise _misplaced(tree.path, words[0], line)
+    if len(tree.names) >= MOST_JOINTS:
+        raise fault(
+            tree.path,
+            f"at most {MOST_JOINTS} joints",
+            "more",
+            "This is no body; export the skeleton of one character.",
+            line,
+        )
+    tree.names.append(" ".join(words[1:]) or f"joint {len(tree.names)}")
+    tree.parents.append(-1 if is_root else stack[-1])
+    tree.offsets.append(np.zeros(3))
+    tree.channels.append([])
+    return len(tree.names) - 1
+
+
+def _set_property(tree: _Hierarchy, joint: int, words: list[str], line: int) -> None:
+    """OFFSET or CHANNELS of a joint, or the OFFSET of the End Site opened last (joint −1)."""
+    if words[0].upper() == "OFFSET":
+        try:
+            offset = np.array([float(word) for word in words[1:]])
+        except ValueError:
+            offset = np.empty(0)
+        if offset.shape != (3,) or not np.all(np.abs(offset) < LARGEST_NUMBER):
+            raise fault(
+                tree.path, "OFFSET and three numbers", shown(" ".join(words)), "Mend it.", line
+            )
+        if joint < 0:
+            tree.end_offsets[-1] = offset
+        else:
+            tree.offsets[joint] = offset
+        return
+    matches = [_CHANNEL.fullmatch(word) for word in words[2:]]
+    channels = [(m[2].lower(), _AXES.index(m[1].upper())) for m in matches if m]
+    sound = len(words) > 1 and words[1] == str(len(channels)) and len(channels) == len(matches)
+    if joint < 0 or not sound or len(set(channels)) != len(channels):
+        raise fault(
+            tree.path,
+            "CHANNELS, their count, and that many of Xposition … Zrotation",
+            shown(" ".join(words), 80),
+            "Make the count fit the names.",
+            line,
+        )
+    tree.channels[joint] = channels
+
+
+def _read_motion(
+    path: Path, text: str, start: int, tree: _Hierarchy
+) -> tuple[Array, float, list[str]]:
+    """The values (F, C) of all channels, the rate, and warnings."""
+    first_line = text.count("\n", 0, start) + 1
+    frames_match = _FRAMES.match(text, start)
+    if frames_match is None or not frames_match[1].isdigit():
+        raise fault(
+            path,
+            "Frames: and their number",
+            shown(text[start : start + 60]),
+            "Write the number of frames.",
+            first_line + 1,
+        )
+    time_match = _FRAME_TIME.match(text, frames_match.end())
+    time_line = text.count("\n", 0, frames_match.end()) + 2
+    try:
+        frame_time = float(time_match[1]) if time_match else None
+    except ValueError:
+        frame_time = None
+    if time_match is None or frame_time is None:
+        raise fault(
+            path,
+            "Frame Time: and seconds",
+            shown(text[frames_match.end() : frames_match.end() + 60]),
+            "Write the seconds between two frames, such as 0.0333333.",
+            time_line,
+        )
+    body = time_match.end()
+    width = sum(len(channels) for channels in tree.channels)
+    if int(frames_match[1]) < 1 or width == 0:
+        raise fault(
+            path,
+            "at least one frame of at least one channel",
+            f"{shown(frames_match[1])} frames of {width} channels",
+            "Export the motion again.",
+            first_line + 1,
+        )
+    numbers = parse_numbers(path, text, body)
+    values, warnings = _frames(path, text, body, numbers, frames_match[1], width)
+    return values, rate(path, frame_time, time_line), warnings
+
+
+def _frames(
+    path: Path, text: str, body: int, numbers: Array, claimed: str, width: int
+) -> tuple[Array, list[str]]:
+    """Numbers as (F, C); refuses a table that does not fit, naming its first odd line."""
+    expected = int(claimed) if len(claimed) < 12 else 10**12
+    found, rest = divmod(numbers.size, width)
+    if rest == 0 and found == expected:
+        return numbers.reshape(found, width), []
+    if rest == 0 and found > expected:
+        note = f"the header says {expected} frames, {found} are there: the first {expected} used"
+        return numbers[: expected * width].reshape(expected, width), [note]
+    line = text.count("\n", 0, body) + 1
+    for frame, raw in enumerate((row for row in text[body:].split("\n") if row.strip()), start=1):
+        count = len(raw.split())
+        if count != width:
+            line += text[body:].split("\n").index(raw)
+            raise fault(
+                path,
+                f"{expected} frames of {width} numbers",
+                f"{numbers.size} numbers in all; frame {frame} has {count}",
+                "The file is damaged or cut short; export it again.",
+                line,
+            )
+    raise fault(
+        path,
+        f"{expected} frames of {width} numbers",
+        f"{found}",
+        "The file is cut short, or its Frames: is wrong.",
+        line,
+    )
+
+
+def _poses(
+    tree: _Hierarchy, values: Array
+) -> tuple[Array, Array, dict[str, float], np.ndarray | None]:
+    """Rotations (F, J, 4), root (F, 3), joints whose position varies, frames at rest."""
+    frames, joints = len(values), len(tree.names)
+    root = np.tile(tree.offsets[0], (frames, 1))
+    rotations = np.tile(quat.IDENTITY, (frames, joints, 1))
+    strays: dict[str, float] = {}
+    by_order: dict[str, tuple[list[int], list[list[int]]]] = {}
+    at_rest = None
+    column = 0
+    for joint, channels in enumerate(tree.channels):
+        columns = range(column, column + len(channels))
+        column += len(channels)
+        turns = [c for c, (kind, _) in zip(columns, channels, strict=True) if kind == "rotation"]
+        order = "".join(_AXES[axis] for kind, axis in channels if kind == "rotation")
+        moves = [
+            (c, a) for c, (kind, a) in zip(columns, channels, strict=True) if kind == "position"
+        ]
+        if order:
+            group = by_order.setdefault(order, ([], []))
+            group[0].append(joint)
+            group[1].append(turns)
+            if joint == 0:
+                at_rest = np.all(values[:, turns] == 0, axis=1)
+        if joint == 0:
+            for source, axis in moves:
+                root[:, axis] = values[:, source]
+        elif moves:
+            _place(tree, joint, values, moves, strays)
+    for order, (members, turns_of) in by_order.items():
+        angles = np.radians(values[:, np.array(turns_of)])
+        rotations[:, members] = quat.from_euler(angles, order)
+    return rotations, root, strays, at_rest
+
+
+def _place(
+    tree: _Hierarchy,
+    joint: int,
+    values: Array,
+    moves: list[tuple[int, int]],
+    strays: dict[str, float],
+) -> None:
+    """Position channels of a joint below the root: their mean replaces its OFFSET."""
+    columns = [source for source, _ in moves]
+    mean = values[:, columns].mean(axis=0)
+    tree.offsets[joint] = tree.offsets[joint].copy()
+    tree.offsets[joint][[axis for _, axis in moves]] = mean
+    stray = float(np.linalg.norm(values[:, columns] - mean, axis=1).max())
+    if stray > 0:
+        strays[tree.names[joint]] = stray

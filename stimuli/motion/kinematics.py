@@ -1,0 +1,69 @@
+"""Forward kinematics, headings, and moving a motion about on the floor."""
+
+import numpy as np
+
+from stimuli.motion import quaternions as quat
+from stimuli.motion.quaternions import Array
+from stimuli.motion.skeleton import Motion, Skeleton
+
+
+def forward(skeleton: Skeleton, rotations: Array, root: Array) -> tuple[Array, Array]:
+    """Joint positions (..., J, 3) in metres and orientations (..., J, 4) in the world.
+
+    `rotations` (..., J, 4) are local, `root` (..., 3) is where the root joint stands.
+    """
+    orientations = np.empty(rotations.shape)
+    positions = np.empty((*rotations.shape[:-1], 3))
+    orientations[..., 0, :] = rotations[..., 0, :]
+    positions[..., 0, :] = root
+    for joints, parents in skeleton.levels:
+        above = orientations[..., parents, :]
+        orientations[..., joints, :] = quat.multiply(above, rotations[..., joints, :])
+        positions[..., joints, :] = positions[..., parents, :] + quat.rotate(
+            above, skeleton.offsets[joints]
+        )
+    return positions, orientations
+
+
+def end_positions(skeleton: Skeleton, positions: Array, orientations: Array) -> Array:
+    """Positions (..., E, 3) of the end sites, from those of the joints."""
+    parents = skeleton.end_parents
+    return positions[..., parents, :] + quat.rotate(
+        orientations[..., parents, :], skeleton.end_offsets
+    )
+
+
+def joint_positions(skeleton: Skeleton, rotations: Array, root: Array, joint: int) -> Array:
+    """Position (..., 3) of one joint, by its own chain alone."""
+    position, orientation = root, rotations[..., 0, :]
+    for link in skeleton.chain(joint)[1:]:
+        position = position + quat.rotate(orientation, skeleton.offsets[link])
+        orientation = quat.multiply(orientation, rotations[..., link, :])
+    return position
+
+
+def heading(skeleton: Skeleton, rotations: Array, root: Array) -> Array:
+    """Yaw (...,) of the facing direction, radians: (sin yaw, 0, cos yaw) on the floor.
+
+    The facing direction is left × up with left = left hip − right hip projected on the floor.
+    InputError for a skeleton without hips.
+    """
+    left, right = skeleton.role("left_hip", "right_hip")
+    across = joint_positions(skeleton, rotations, root, left) - joint_positions(
+        skeleton, rotations, root, right
+    )
+    return np.asarray(np.arctan2(-across[..., 2], across[..., 0]))
+
+
+def headings(motion: Motion) -> Array:
+    """Heading (F,) of every frame of a motion, radians."""
+    return heading(motion.skeleton, motion.rotations, motion.root)
+
+
+def placed(motion: Motion, yaw: float, shift: Array) -> Motion:
+    """The motion turned by `yaw` about the vertical through the origin, then moved by `shift`."""
+    turn = quat.about("Y", yaw)
+    rotations = motion.rotations.copy()
+    rotations[:, 0] = quat.multiply(turn, rotations[:, 0])
+    root = quat.rotate(turn, motion.root) + shift
+    return Motion(motion.skeleton, rotations, root, motion.fps)

@@ -1,0 +1,104 @@
+"""Where clips lie: directories given, those of SEGUE_MOTIONS, else the user's own library."""
+
+import os
+from collections.abc import Iterable, Sequence
+from functools import cached_property
+from pathlib import Path
+
+from stimuli.errors import InputError
+from stimuli.motion.clip import OVERRIDES, Clip, load
+from stimuli.motion.formats import READERS
+
+_SNIFFED = {".txt", ".json"}  # suffixes that other files carry too
+
+
+class Library:
+    """Clips under some directories, found by path or by stem; each is read once.
+
+    A directory's clips are those below it too. Reading keeps the clips in memory.
+    """
+
+    def __init__(self, directories: Iterable[Path | str]) -> None:
+        self.directories = tuple(Path(directory) for directory in directories)
+        self._clips: dict[Path, Clip] = {}
+
+    @cached_property
+    def _paths(self) -> tuple[Path, ...]:
+        for directory in self.directories:
+            if not directory.exists():
+                raise InputError(
+                    f"{directory}: expected a directory of motion clips, found nothing there.\n"
+                    "Give another with --motions, or fetch samples with `segue motions fetch`."
+                )
+        found = (path for directory in self.directories for path in clips_under(directory))
+        return tuple(dict.fromkeys(found))
+
+    def paths(self) -> tuple[Path, ...]:
+        """All clips, sorted within each directory."""
+        return self._paths
+
+    def find(self, name: str | Path) -> Path:
+        """The clip of that path, or the only one of that stem; else InputError."""
+        path = Path(name)
+        if path.is_file():
+            return path
+        found = [p for p in self._paths if p.stem == str(name) and p.suffix != ".c3d"]
+        if len(found) == 1:
+            return found[0]
+        places = ", ".join(str(directory) for directory in self.directories) or "no directory"
+        if found:
+            listed = ", ".join(str(p) for p in found[:6])
+            raise InputError(
+                f"{name}: expected one clip of that name, found {len(found)}: {listed}.\n"
+                "Give the path of the one that is meant."
+            )
+        raise InputError(
+            f"{name}: expected a clip of that path or name, found none in {places}.\n"
+            "`segue motions` lists clips; --motions names a directory, "
+            "`segue motions fetch` brings samples."
+        )
+
+    def load(self, name: str | Path) -> Clip:
+        """The clip of that path or stem, read once."""
+        path = self.find(name)
+        if path not in self._clips:
+            self._clips[path] = load(path)
+        return self._clips[path]
+
+
+def clips_under(directory: Path) -> list[Path]:
+    """Motion clips in a directory and below it, or the file itself; sorted."""
+    if directory.is_file():
+        return [directory]
+    return sorted(path for path in directory.rglob("*") if is_clip(path))
+
+
+def is_clip(path: Path) -> bool:
+    """Whether a file looks like a motion clip: by suffix, and by content where that is common."""
+    suffix = path.suffix.lower()
+    if suffix not in READERS or path.name == OVERRIDES or not path.is_file():
+        return False
+    if suffix not in _SNIFFED:
+        return True
+    try:
+        with path.open("rb") as stream:
+            return b'"Frames"' in stream.read(2000)
+    except OSError:
+        return False
+
+
+def motion_directories(option: Sequence[Path] | None) -> list[Path]:
+    """Directories of `--motions`, else of SEGUE_MOTIONS, else the user's library."""
+    if option:
+        return list(option)
+    if listed := os.environ.get("SEGUE_MOTIONS"):
+        return [Path(entry) for entry in listed.split(os.pathsep) if entry]
+    library = user_library()
+    return [library] if library.is_dir() else []
+
+
+def user_library() -> Path:
+    """Where fetched and own clips of this user lie."""
+    from platformdirs import user_data_path
+
+    return user_data_path("segue", appauthor=False) / "motions"

@@ -1,0 +1,161 @@
+"""Unit quaternions (w, x, y, z) on the last axis: pure functions that broadcast over the others.
+
+The logarithm of a unit quaternion is half its rotation vector, so the geodesic distance of the
+dissertation (Wang 2005, II.3.2), the norm of a logarithm, is half the angle of rotation.
+"""
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+
+IDENTITY: Array = np.array([1.0, 0.0, 0.0, 0.0])
+_AXES = {"X": 1, "Y": 2, "Z": 3}
+
+
+def multiply(p: Array, q: Array) -> Array:
+    """Hamilton product p q, (..., 4): the rotation q, then the rotation p."""
+    pw, px, py, pz = p[..., 0], p[..., 1], p[..., 2], p[..., 3]
+    qw, qx, qy, qz = q[..., 0], q[..., 1], q[..., 2], q[..., 3]
+    product = np.empty(np.broadcast_shapes(p.shape, q.shape))
+    product[..., 0] = pw * qw - px * qx - py * qy - pz * qz
+    product[..., 1] = pw * qx + px * qw + py * qz - pz * qy
+    product[..., 2] = pw * qy - px * qz + py * qw + pz * qx
+    product[..., 3] = pw * qz + px * qy - py * qx + pz * qw
+    return product
+
+
+def inverse(q: Array) -> Array:
+    """Inverse (the conjugate) of unit quaternions, (..., 4)."""
+    return q * np.array([1.0, -1.0, -1.0, -1.0])
+
+
+def cross(u: Array, v: Array) -> Array:
+    """Cross product of vectors, (..., 3)."""
+    product = np.empty(np.broadcast_shapes(u.shape, v.shape))
+    product[..., 0] = u[..., 1] * v[..., 2] - u[..., 2] * v[..., 1]
+    product[..., 1] = u[..., 2] * v[..., 0] - u[..., 0] * v[..., 2]
+    product[..., 2] = u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
+    return product
+
+
+def rotate(q: Array, v: Array) -> Array:
+    """Vectors v (..., 3) turned by q (..., 4)."""
+    twice = 2.0 * cross(q[..., 1:], v)
+    return v + q[..., :1] * twice + cross(q[..., 1:], twice)
+
+
+def normalise(q: Array) -> Array:
+    """Quaternions (..., 4) scaled to unit length; a zero one becomes the identity."""
+    norm = np.linalg.norm(q, axis=-1, keepdims=True)
+    return np.where(norm > 0, q / np.where(norm > 0, norm, 1.0), IDENTITY)
+
+
+def shorter(q: Array) -> Array:
+    """Of q and −q, which are one rotation, the one with w ≥ 0 (the shorter arc)."""
+    return np.where(q[..., :1] < 0, -q, q)
+
+
+def log(q: Array) -> Array:
+    """Logarithm of unit quaternions, (..., 4) → (..., 3): half the rotation vector, radians."""
+    vector = q[..., 1:]
+    sine = np.linalg.norm(vector, axis=-1, keepdims=True)
+    angle = np.arctan2(sine, q[..., :1])
+    small = sine < 1e-12
+    return np.asarray(vector * np.where(small, 1.0, angle / np.where(small, 1.0, sine)))
+
+
+def exp(v: Array) -> Array:
+    """Unit quaternion whose logarithm is v, (..., 3) → (..., 4)."""
+    angle = np.linalg.norm(v, axis=-1, keepdims=True)
+    return np.concatenate([np.cos(angle), np.sinc(angle / np.pi) * v], axis=-1)
+
+
+def geodesic(p: Array, q: Array) -> Array:
+    """min(‖log(q⁻¹p)‖, ‖log(−q⁻¹p)‖), (...,): half the angle between two rotations (II.3.2).
+
+    From the chord between them, which keeps its precision where the arc cosine loses it.
+    """
+    chord = np.minimum(np.linalg.norm(p - q, axis=-1), np.linalg.norm(p + q, axis=-1))
+    return np.asarray(2.0 * np.arcsin(np.minimum(0.5 * chord, 1.0)))
+
+
+def slerp(p: Array, q: Array, weight: Array | float) -> Array:
+    """Spherical interpolation on the shorter arc, p at weight 0 and ±q at 1; weight (...,)."""
+    weight = np.asarray(weight, dtype=float)[..., None]
+    dot = np.einsum("...i,...i->...", p, q)[..., None]
+    q = np.where(dot < 0, -q, q)
+    angle = np.arccos(np.minimum(np.abs(dot), 1.0))
+    near = angle < 1e-4
+    sine = np.where(near, 1.0, np.sin(angle))
+    first = np.where(near, 1.0 - weight, np.sin((1.0 - weight) * angle) / sine)
+    second = np.where(near, weight, np.sin(weight * angle) / sine)
+    return normalise(first * p + second * q)
+
+
+def about(axis: str, angle: Array | float) -> Array:
+    """Rotation by `angle` (...,) radians about the axis "X", "Y" or "Z"."""
+    half = 0.5 * np.asarray(angle, dtype=float)
+    q = np.zeros((*half.shape, 4))
+    q[..., 0] = np.cos(half)
+    q[..., _AXES[axis]] = np.sin(half)
+    return q
+
+
+def from_euler(angles: Array, order: str) -> Array:
+    """Intrinsic rotations: angles (..., N) radians about the axes named in `order`, in turn."""
+    q = about(order[0], angles[..., 0])
+    for place, axis in enumerate(order[1:], start=1):
+        q = multiply(q, about(axis, angles[..., place]))
+    return q
+
+
+def to_zyx(q: Array) -> Array:
+    """Intrinsic Z, Y, X angles in radians of q, (..., 3); at gimbal lock the X angle is 0."""
+    w, x, y, z = (q[..., k] for k in range(4))
+    sine = np.clip(2.0 * (w * y - z * x), -1.0, 1.0)
+    locked = np.abs(sine) > 1.0 - 1e-14
+    free_z = np.arctan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z)
+    free_x = np.arctan2(2.0 * (w * x + y * z), w * w - x * x - y * y + z * z)
+    # arcsin loses half its digits near ±90 degrees; the other two columns keep them
+    cosine = np.hypot(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z)
+    lock_z = np.arctan2(2.0 * (w * z - x * y), w * w - x * x + y * y - z * z)
+    return np.stack(
+        [
+            np.where(locked, lock_z, free_z),
+            np.arctan2(sine, cosine),
+            np.where(locked, 0.0, free_x),
+        ],
+        axis=-1,
+    )
+
+
+def yaw(q: Array) -> Array:
+    """Angle (...,) about +Y of the twist of q around the vertical axis, radians."""
+    return 2.0 * np.arctan2(q[..., 2], q[..., 0])
+
+
+def continuous(q: Array) -> Array:
+    """Signs chosen along axis 0 so that successive quaternions (F, ..., 4) lie near each other."""
+    dots = np.einsum("f...i,f...i->f...", q[1:], q[:-1])
+    flips = np.cumprod(np.where(dots < 0, -1.0, 1.0), axis=0)
+    return np.concatenate([q[:1], q[1:] * flips[..., None]])
+
+
+def angular_velocity(q: Array) -> Array:
+    """log(q[t−1]⁻¹ q[t+1]) / 2 along axis 0, shorter arc, (F, ..., 4) → (F, ..., 3).
+
+    Half-angle radians a frame; one-sided, and then not halved, at the two ends.
+    """
+    if len(q) < 2:
+        return np.zeros((*q.shape[:-1], 3))
+    step = np.empty((*q.shape[:-1], 3))
+    step[1:-1] = 0.5 * log(shorter(multiply(inverse(q[:-2]), q[2:])))
+    step[0] = log(shorter(multiply(inverse(q[0]), q[1])))
+    step[-1] = log(shorter(multiply(inverse(q[-2]), q[-1])))
+    return step
+
+
+def linear_velocity(x: Array) -> Array:
+    """(x[t+1] − x[t−1]) / 2 along axis 0, one-sided at the two ends; units a frame."""
+    return np.gradient(x, axis=0) if len(x) > 1 else np.zeros_like(x)

@@ -1,0 +1,26 @@
+"""Poses between the frames: rotations by slerp, root by linear interpolation."""
+
+import numpy as np
+
+from stimuli.motion import quaternions as quat
+from stimuli.motion.quaternions import Array
+
+
+def sampled(rotations: Array, root: Array, places: Array) -> tuple[Array, Array]:
+    """Poses at fractional frames `places` (N,), each within 0 … F−1: (N, J, 4) and (N, 3)."""
+    before = np.clip(np.floor(places).astype(int), 0, max(len(root) - 2, 0))
+    after = np.minimum(before + 1, len(root) - 1)
+    part = places - before
+    whole = np.all(part == 0)
+    if whole:
+        return rotations[before], root[before]
+    mixed = quat.slerp(rotations[before], rotations[after], part[:, None])
+    return mixed, root[before] + part[:, None] * (root[after] - root[before])
+
+
+def resampled(rotations: Array, root: Array, fps: float, to: float) -> tuple[Array, Array]:
+    """The motion at the rate `to`: frame k at k / to s, floor((F−1)·to/fps + 1e-6) + 1 frames."""
+    frames = int(np.floor((len(root) - 1) * to / fps + 1e-6)) + 1
+    places = np.minimum(np.arange(frames) * (fps / to), len(root) - 1.0)
+    snapped = np.round(places)
+    return sampled(rotations, root, np.where(np.abs(places - snapped) < 1e-6, snapped, places))
