@@ -1,0 +1,119 @@
+"""`segue doctor`: what this machine can do, each line ok or what to install."""
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from contextlib import nullcontext
+from pathlib import Path
+from typing import Any
+
+from study.cli.common import add_motions_option, print_json
+
+GRAPHICS = """
+import os; os.environ["PYOPENGL_PLATFORM"] = "egl"
+import pyrender
+renderer = pyrender.OffscreenRenderer(64, 64)
+from OpenGL import GL
+print(GL.glGetString(GL.GL_RENDERER).decode(), "/ OpenGL", GL.glGetString(GL.GL_VERSION).decode())
+renderer.delete()
+"""
+WINDOW = """
+import json
+from study.schema import Keys
+from study.screen.clips import ClipCache
+from study.screen.window import Look, WindowStage
+look = Look(Keys(), ("1", "2"), 0.0, 0.5, 30.0, (128, 128, 128), simulated=True, pace=20.0)
+stage = WindowStage(look, ClipCache(lambda key: None), None, windowed=True)
+stage.tell("Segue")
+print(json.dumps(stage.display()))
+stage.close()
+"""
+SECONDS = 60
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The options of `segue doctor`."""
+    parser.add_argument("--json", action="store_true")
+    add_motions_option(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Check each part in turn; 1 when one is not ok."""
+    checks: dict[str, Callable[[], str]] = {
+        "rendering": _rendering,
+        "window": _window,
+        "codecs": _codecs,
+        "motions": lambda: _motions(args.motions),
+    }
+    lines: list[dict[str, Any]] = []
+    for name, check in checks.items():
+        try:
+            lines.append({"check": name, "ok": True, "found": check()})
+        except Exception as error:
+            lines.append({"check": name, "ok": False, "found": str(error)})
+        if not args.json:
+            state = "ok" if lines[-1]["ok"] else "NOT OK"
+            print(f"{name:10} {state:7} {lines[-1]['found']}", flush=True)
+    if args.json:
+        print_json(lines)
+    return 0 if all(line["ok"] for line in lines) else 1
+
+
+def _python(script: str, remedy: str) -> str:
+    """The last line that a script prints in a process of its own."""
+    done = subprocess.run(
+        [sys.executable, "-c", script],
+        capture_output=True,
+        text=True,
+        timeout=SECONDS,
+        env={**os.environ, "PYTHONPATH": str(Path(__file__).resolve().parents[2])},
+        check=False,
+    )
+    lines = (done.stdout if done.returncode == 0 else done.stderr).strip().splitlines()
+    if done.returncode != 0:
+        raise RuntimeError(f"{lines[-1] if lines else 'it stopped without a word'}; {remedy}")
+    return lines[-1]
+
+
+def _rendering() -> str:
+    return _python(GRAPHICS, "install libegl1 libegl-mesa0 libgl1 libgl1-mesa-dri")
+
+
+def _window() -> str:
+    from study.screen.virtual import has_screen, virtual_screen
+
+    real = has_screen()
+    place: Any = nullcontext() if real else virtual_screen()
+    with place:
+        line = _python(WINDOW, "install libglu1-mesa libjack-jackd2-0 libasound2 and a screen")
+    shown = json.loads(line)
+    rate = shown["refresh_rate"]
+    screen = f"refresh {rate} Hz" if rate else "no refresh rate; sessions pace themselves"
+    return (
+        f"{'screen' if real else 'no screen, a virtual one works'}; {screen}; "
+        f"keyboard backend {shown['keyboard']}"
+    )
+
+
+def _codecs() -> str:
+    import av
+
+    for name in ("ffv1", "libx264"):
+        try:
+            av.CodecContext.create(name, "w")
+        except Exception as error:
+            raise RuntimeError(f"codec {name} is missing ({error}); reinstall av") from error
+    return f"ffv1 and h264 through PyAV {av.__version__}"
+
+
+def _motions(option: list[Path] | None) -> str:
+    from stimuli.motion import Library, motion_directories
+
+    directories = [d for d in motion_directories(option) if d.is_dir()]
+    count = len(Library(directories).paths())
+    if not count:
+        raise RuntimeError("none found; fetch the sample motions with `segue motions fetch`")
+    return f"{count} clips in {', '.join(map(str, directories))}"

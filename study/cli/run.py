@@ -1,0 +1,122 @@
+"""`segue run`: one session with one participant."""
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+from study.cli.common import add_motions_option, progress
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The options of `segue run`."""
+    parser.add_argument("protocol", help="a protocol file, or the name of a shipped protocol")
+    parser.add_argument("--participant", required=True, metavar="ID", help="letters and digits")
+    parser.add_argument("--data", type=Path, default=Path("data"), metavar="DIR")
+    parser.add_argument(
+        "--stimuli", type=Path, metavar="SET", help="default: stimulus-sets/<protocol>"
+    )
+    parser.add_argument("--screen", type=int, default=0, metavar="N")
+    parser.add_argument("--windowed", action="store_true", help="a window, not the whole screen")
+    parser.add_argument("--observer", choices=("human", "simulated"), default="human")
+    parser.add_argument(
+        "--rehearsal", action="store_true", help="one motion, clips of one second, short tracks"
+    )
+    parser.add_argument("--pace", type=float, default=1.0, metavar="N", help="time runs N times")
+    parser.add_argument("--seed", type=int, metavar="N", help="default: drawn anew, recorded")
+    go_on = parser.add_mutually_exclusive_group()
+    go_on.add_argument("--resume", action="store_true", help="go on with an unfinished record")
+    go_on.add_argument("--restart", action="store_true", help="leave it and start a new run")
+    add_motions_option(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Run the session; 1 when somebody left it."""
+    from stimuli.errors import InputError
+    from study.lab import Request, check, run_session
+    from study.protocol import load
+    from study.screen.virtual import has_screen
+    from study.stage import Left
+
+    protocol = load(args.protocol)
+    request = Request(
+        participant=args.participant,
+        data=args.data,
+        observer=args.observer,
+        rehearsal=args.rehearsal,
+        pace=args.pace,
+        seed=args.seed,
+        screen=args.screen,
+        windowed=args.windowed,
+    )
+    check(request, protocol)
+    if not has_screen():
+        raise InputError(
+            "segue run: expected a screen, found none (DISPLAY is not set);\n"
+            "run it on the lab's machine, or under `xvfb-run` for a trial of the set-up"
+        )
+    manifest = _stimuli(args, protocol)
+    _ask_person(args)
+    try:
+        record = run_session(request, protocol, manifest, lambda record: _resume(args, record))
+    except Left:
+        print(f"left; go on with: segue run {args.protocol} --participant {args.participant} "
+              f"--data {args.data} --resume", file=sys.stderr)  # fmt: skip
+        return 1
+    _ask_comments(args)
+    print(f"record: {record.path}")
+    return 0
+
+
+def _stimuli(args: argparse.Namespace, protocol: Any) -> Any:
+    """The stimulus set; a rehearsal's short one is built on the way."""
+    from stimuli.build import build, load_manifest
+    from stimuli.motion import Library, motion_directories
+    from study.sets import set_spec
+
+    if args.stimuli is not None:
+        return load_manifest(args.stimuli)
+    if not args.rehearsal:
+        return load_manifest(Path("stimulus-sets") / protocol.name)
+    library = Library(motion_directories(args.motions))
+    spec = set_spec(protocol, None, library, rehearsal=True)
+    folder = Path("stimulus-sets") / f"{protocol.name}-rehearsal"
+    with progress(1, "rendering") as step:
+        return build(spec, library, folder, progress=lambda done, total: step(done))
+
+
+def _resume(args: argparse.Namespace, record: Any) -> bool:
+    """Whether to go on with an unfinished record: as the options say, else ask."""
+    from stimuli.errors import InputError
+
+    if args.resume or args.restart:
+        return bool(args.resume)
+    done = len(record.rows())
+    if not sys.stdin.isatty():
+        raise InputError(
+            f"{record.path.name}: found an unfinished session with {done} trials; say --resume to "
+            "go on with it, or --restart to begin a new run"
+        )
+    print(f"{record.path.name} is unfinished, with {done} trials.", file=sys.stderr)
+    return input("Go on with it? [Y/n] ").strip().lower() in ("", "y", "yes")
+
+
+def _asks(args: argparse.Namespace) -> bool:
+    return args.observer == "human" and not args.rehearsal and sys.stdin.isatty()
+
+
+def _ask_person(args: argparse.Namespace) -> None:
+    """What a study asks of a person, before the session, on a terminal; blank is n/a."""
+    from study.dataset import QUESTIONS, enrol, prepare
+
+    if _asks(args):
+        prepare(args.data)
+        answers = {key: input(f"{text}: ").strip() for key, text in QUESTIONS.items()}
+        enrol(args.data, args.participant, **answers)
+
+
+def _ask_comments(args: argparse.Namespace) -> None:
+    from study.dataset import enrol
+
+    if _asks(args):
+        enrol(args.data, args.participant, comments=" ".join(input("comments: ").split()))

@@ -1,0 +1,187 @@
+"""What a protocol file may hold: one frozen model a table, every key with its bounds."""
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+Positive = Annotated[float, Field(gt=0)]
+Count = Annotated[int, Field(ge=1)]
+Share = Annotated[float, Field(ge=0, le=1)]
+Colour = Annotated[tuple[Share, Share, Share], Field()]
+Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$")]
+
+
+class Table(BaseModel):
+    """A TOML table: no keys but its own, never changed after reading."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
+
+
+class MotionPair(Table):
+    """A transition of the study: from the motion in one role to the motion in another."""
+
+    name: Name
+    from_: Name = Field(alias="from")
+    to: Name
+    category: str = ""
+
+
+class Stimuli(Table):
+    """What is shown: pairs of motions, how they are joined, and how the clip is laid out."""
+
+    motions: Annotated[tuple[MotionPair, ...], Field(min_length=1)]
+    specification: Literal["start-end", "center-aligned"] = "start-end"
+    reference: Count | Literal["geodesic"] | None = None
+    lengths: tuple[int, ...] = ()
+    shorter: tuple[Count, ...] = ()
+    longer: tuple[Count, ...] = ()
+    drop_missing: bool = False
+    seconds: Annotated[float, Field(ge=0.5, le=60)] = 6.0
+    smooth: bool = False
+    foot_lock: bool = True
+
+
+class Appearance(Table):
+    """How a clip looks; the same for all clips of a group."""
+
+    width: Annotated[int, Field(ge=64, le=3840)] = 640
+    height: Annotated[int, Field(ge=64, le=2160)] = 480
+    background: Colour = (0.5, 0.5, 0.5)
+    azimuth: float = 35.0
+    elevation: float = 8.0
+    body: str = "figure"
+    ground: bool = False
+
+
+class Presentation(Table):
+    """How a trial is put on the screen."""
+
+    layout: Literal["side-by-side", "one-after-other"] | None = None
+    gap: Annotated[float, Field(ge=0, le=10)] = 0.5
+    answer_seconds: Positive | None = None
+    clip_height: Annotated[float, Field(gt=0, le=1)] = 0.6
+    late_frames_allowed: Annotated[int, Field(ge=0)] = 3
+    feedback_in_practice: bool = True
+
+
+class Keys(Table):
+    """The keys that answer a trial, for the first and the second alternative, and to leave."""
+
+    first: str = "1"
+    second: str = "2"
+    go_on: str = "space"
+    quit: str = "escape"
+
+
+class Instructions(Table):
+    """What a participant reads; a blank question takes the task's own."""
+
+    welcome: str = ""
+    question: str = ""
+    pause: str = "Take a short break. Press SPACE to go on."
+    thanks: str = "Thank you. The session is over."
+
+
+class StopTable(Table):
+    """When a track ends: all named counts, combined by any or all."""
+
+    visits: Count | None = None
+    reversals: Count | None = None
+    trials: Count | None = None
+    combine: Literal["any", "all"] = "any"
+
+
+class Staircase(Table):
+    """The rule of every track, with its own numbers, and when a track ends."""
+
+    rule: str
+    n_down: Count | None = None
+    n_up: Count | None = None
+    down: Positive | None = None
+    up: Positive | None = None
+    stop: StopTable
+
+
+class Trials(Table):
+    """Trials beside or instead of tracks."""
+
+    repeats: Count = 1
+    practice: Annotated[int, Field(ge=0)] = 0
+    catch_every: Annotated[int, Field(ge=0)] = 0
+    break_every: Annotated[int, Field(ge=0)] = 0
+    first: Literal["balanced", "random"] = "balanced"
+
+
+class Observer(Table):
+    """What a simulated participant truly is: psychometric sides, or preferred methods."""
+
+    shorter: Annotated[float, Field(lt=0)] | None = None
+    longer: Annotated[float, Field(gt=0)] | None = None
+    at: Annotated[float, Field(gt=0.5, lt=1)] = 0.75
+    function: str = "logistic"
+    slope: Positive | None = None
+    lapse: Annotated[float, Field(ge=0, lt=0.5)] = 0.0
+    spread: Annotated[float, Field(ge=0)] = 0.0
+    reference: Count | None = None
+    prefer: dict[str, Share | dict[str, Share]] = {}
+
+
+class Analysis(Table):
+    """The analysis that will be run, stated before the data."""
+
+    alpha: Annotated[float, Field(gt=0, lt=0.5)] = 0.05
+    function: str = "logistic"
+    lapse: Literal["free"] | Annotated[float, Field(ge=0, lt=0.5)] = "free"
+    at: tuple[Annotated[float, Field(gt=0.5, lt=1)], ...] = (0.70, 0.75)
+    bootstrap: Annotated[int, Field(ge=0)] = 2000
+    exclude_catch_below: Share | None = None
+    exclude_missing_above: Share | None = None
+
+
+class Rehearsal(Table):
+    """How short a rehearsal is: one motion, short clips, short tracks."""
+
+    seconds: Annotated[float, Field(ge=0.5, le=10)] = 1.0
+    trials: Count = 4
+
+
+class Role(Table):
+    """A role bound to a frame (0-based, of the working clip) of a motion clip."""
+
+    clip: Annotated[str, Field(min_length=1)]
+    frame: Annotated[int, Field(ge=0)]
+
+
+class MotionSet(BaseModel):
+    """The clips behind the roles; `about` says how their frames were chosen."""
+
+    model_config = ConfigDict(extra="allow", frozen=True)
+    __pydantic_extra__: dict[str, Role] = Field(init=False)
+    about: str = ""
+
+    @property
+    def roles(self) -> dict[str, Role]:
+        """The roles that this set binds."""
+        return dict(self.__pydantic_extra__)
+
+
+class ProtocolFile(Table):
+    """A study whole, as its TOML file has it."""
+
+    name: Name
+    title: str = ""
+    source: str = ""
+    task: str
+    participants: Count = 12
+    methods: tuple[str, ...] = ()
+    stimuli: Stimuli
+    sets: Annotated[dict[Name, MotionSet], Field(min_length=1)]
+    appearance: Appearance = Appearance()
+    presentation: Presentation = Presentation()
+    keys: Keys = Keys()
+    instructions: Instructions = Instructions()
+    staircase: Staircase | None = None
+    trials: Trials = Trials()
+    rehearsal: Rehearsal = Rehearsal()
+    observer: Observer | None = None
+    analysis: Analysis = Analysis()

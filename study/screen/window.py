@@ -1,0 +1,279 @@
+"""The window of a session: texts, clips by frame index, answers by key, every flip logged."""
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stimuli.errors import InputError
+from study.schema import Keys
+from study.screen.clips import ClipCache, Frames
+from study.screen.panel import Panel
+from study.screen.schedule import NOMINAL_REFRESH, Due, last_refresh, late_frames, schedule
+from study.stage import Answer, Left, Presented
+from study.tasks import Screens
+
+INK = (-0.85, -0.85, -0.85)
+READING_SECONDS = 1.5
+SPIN_SECONDS = 0.002
+ROW_GAP = 0.02
+
+
+@dataclass(frozen=True)
+class Look:
+    """How a window shows trials: keys, layout, gap (s), clip height as a share of the window."""
+
+    keys: Keys
+    responses: tuple[str, str]
+    gap: float
+    clip_height: float
+    fps: float
+    background: tuple[int, int, int]
+    pace: float = 1.0
+    simulated: bool = False
+
+
+class WindowStage:
+    """A stage (see `study.stage`) in a PsychoPy window."""
+
+    def __init__(
+        self,
+        look: Look,
+        clips: ClipCache,
+        flip_log: Path | None,
+        screen: int = 0,
+        windowed: bool = False,
+    ) -> None:
+        self._look, self._clips, self._flip_log = look, clips, flip_log
+        self._window = _open_window(screen, windowed, look.background)
+        self._keyboard = _open_keyboard()
+        self._refresh = _refresh_rate(self._window)
+        self._paced = self._refresh is None
+        self._rate = self._refresh or NOMINAL_REFRESH
+        self._panels: dict[tuple[int, int, tuple[int, ...]], Panel] = {}
+        self._zero: float | None = None
+        self._zero_wall: float | None = None
+
+    def first_flip(self) -> float | None:
+        """Unix time of this stage's first flip, None before it."""
+        return self._zero_wall
+
+    def display(self) -> dict[str, object]:
+        """Size, refresh rate and keyboard of this window, for the sidecar."""
+        return {
+            "kind": "psychopy",
+            "size": [int(v) for v in self._window.size],
+            "refresh_rate": None if self._refresh is None else round(self._refresh, 3),
+            "paced_at": round(self._rate, 3),
+            "fullscreen": bool(self._window._isFullScr),
+            "keyboard": self._keyboard.getBackend(),
+        }
+
+    def tell(self, text: str) -> None:
+        """Show a text until the go-on key; a simulated observer reads for a moment."""
+        self._text(text)
+        if self._look.simulated:
+            self._wait(READING_SECONDS / self._look.pace)
+        else:
+            self._listen()
+            self._await_key({self._look.keys.go_on: "on"}, None)
+
+    def flash(self, text: str) -> None:
+        """Show a text for a moment."""
+        self._text(text)
+        self._wait(READING_SECONDS / 2 / self._look.pace)
+
+    def present(self, screens: Screens, label: str) -> Presented:
+        """Show each screen's clips in step; all are decoded before the first frame."""
+        decoded = [[self._clips[key] for key in keys] for keys in screens]
+        onset, late = 0.0, 0
+        for n, frames in enumerate(decoded):
+            self._text(str(n + 1) if len(decoded) > 1 else "+")
+            self._wait(self._look.gap / self._look.pace)
+            self._leave_on_quit()
+            start, count = self._play(frames, f"{label} screen {n + 1}")
+            onset = start if n == 0 else onset
+            late += count
+        return Presented(onset, late)
+
+    def ask(self, question: str, seconds: float | None, planned: Answer | None) -> Answer:
+        """Put the question; keys count from the flip of the last frame on."""
+        self._text(question)
+        if planned is not None and planned.response_time is not None:
+            taken = planned.response_time
+            in_time = seconds is None or taken <= seconds
+            self._wait((taken if in_time else seconds or 0.0) / self._look.pace)
+            self._leave_on_quit()
+            return planned if in_time else Answer(None, None)
+        keys = self._look.keys
+        first, second = self._look.responses
+        return self._await_key({keys.first: first, keys.second: second}, seconds)
+
+    def picture(self) -> Any:
+        """What the back buffer holds, as a PIL image; call it before a flip."""
+        return self._window._getFrame(buffer="back")
+
+    def close(self) -> None:
+        """Close the window."""
+        for panel in self._panels.values():
+            panel.delete()
+        self._window.close()
+
+    def _play(self, clips: Sequence[Frames], label: str) -> tuple[float, int]:
+        """Show clips of equal length together; returns the onset and the late frames."""
+        count = min(len(frames) for frames in clips)
+        look, size = self._look, tuple(int(v) for v in self._window.size)
+        dues = schedule(count, look.fps, self._rate, look.pace)
+        panels = self._panels_for(len(clips), clips[0].shape[1:3])
+        flips: list[float] = []
+        for due in dues:
+            for panel, frames in zip(panels, clips, strict=True):
+                panel.draw(frames[due.frame], (size[0], size[1]))
+            if due is dues[-1]:
+                self._window.callOnFlip(self._listen)
+            if flips:
+                self._sleep_until(flips[0] + due.refresh / self._rate)
+            flips.append(self._flip())
+        end = last_refresh(count, look.fps, self._rate, look.pace)
+        self._sleep_until(flips[0] + end / self._rate)
+        late = late_frames(dues, flips, self._rate)
+        self._log(label, dues, flips)
+        assert self._zero is not None
+        return flips[0] - self._zero, late
+
+    def _listen(self) -> None:
+        """From this flip on keys count; their times are from here."""
+        self._keyboard.clock.reset()
+        self._keyboard.clearEvents()
+
+    def _panels_for(self, count: int, shape: tuple[int, ...]) -> list[Panel]:
+        width, height = (float(v) for v in self._window.size)
+        tall = self._look.clip_height * height
+        wide = tall * shape[1] / shape[0]
+        room = (width * (1 - ROW_GAP * (count + 1))) / count
+        scale = min(1.0, room / wide)
+        wide, tall = wide * scale, tall * scale
+        step = wide + ROW_GAP * width
+        for n in range(count):
+            if (count, n, shape) not in self._panels:
+                centre = ((n - (count - 1) / 2) * step, 0.0)
+                self._panels[count, n, shape] = Panel(centre, (wide, tall))
+        return [self._panels[count, n, shape] for n in range(count)]
+
+    def _text(self, text: str) -> None:
+        from psychopy import visual
+
+        height = self._window.size[1] / 30
+        visual.TextStim(
+            self._window,
+            text=text,
+            height=height,
+            wrapWidth=0.8 * self._window.size[0],
+            color=INK,
+            units="pix",
+            alignText="center",
+        ).draw()
+        self._flip()
+
+    def _flip(self) -> float:
+        self._window.flip()
+        now = time.perf_counter()
+        if self._zero is None:
+            self._zero, self._zero_wall = now, time.time()
+        return now
+
+    def _sleep_until(self, due: float) -> None:
+        """Wait for a due flip: to its time, or on a synchronised screen half a refresh before."""
+        at = due if self._paced else due - 0.5 / self._rate
+        rest = at - time.perf_counter() - SPIN_SECONDS
+        if rest > 0:
+            time.sleep(rest)
+        while time.perf_counter() < at:
+            pass
+
+    def _wait(self, seconds: float) -> None:
+        end = time.perf_counter() + seconds
+        while (rest := end - time.perf_counter()) > 0:
+            time.sleep(min(rest, 0.05))
+            self._window.winHandle.dispatch_events()
+
+    def _leave_on_quit(self) -> None:
+        if self._keyboard.getKeys([self._look.keys.quit], waitRelease=False, clear=False):
+            raise Left
+
+    def _await_key(self, meanings: Mapping[str, str], seconds: float | None) -> Answer:
+        """The first of the keys pressed since `_listen`, within seconds of the last frame."""
+        wanted = [*meanings, self._look.keys.quit]
+        while seconds is None or self._keyboard.clock.getTime() < seconds:
+            for key in self._keyboard.getKeys(wanted, waitRelease=False):
+                if key.name == self._look.keys.quit:
+                    raise Left
+                if key.rt >= 0 and (seconds is None or key.rt <= seconds):
+                    return Answer(meanings[key.name], float(key.rt))
+            time.sleep(0.002)
+            self._window.winHandle.dispatch_events()
+        return Answer(None, None)
+
+    def _log(self, label: str, dues: Sequence[Due], flips: Sequence[float]) -> None:
+        if self._flip_log is None:
+            return
+        origin = self._zero or 0.0
+        lines = [
+            f"{label}\t{due.frame}\t{due.refresh / self._rate:.6f}\t{flip - flips[0]:.6f}"
+            f"\t{flip - origin:.6f}\n"
+            for due, flip in zip(dues, flips, strict=True)
+        ]
+        new = not self._flip_log.exists()
+        with self._flip_log.open("a", encoding="utf-8") as stream:
+            if new:
+                stream.write("trial\tframe\tdue\tflip\tonset\n")
+            stream.writelines(lines)
+
+
+def _open_window(screen: int, windowed: bool, background: tuple[int, int, int]) -> Any:
+    from psychopy import logging, visual
+
+    logging.console.setLevel(logging.ERROR)
+    return visual.Window(
+        size=(1280, 800),
+        fullscr=not windowed,
+        allowGUI=windowed,
+        screen=screen,
+        color=background,
+        colorSpace="rgb255",
+        units="pix",
+        checkTiming=False,
+        waitBlanking=True,
+        gammaErrorPolicy="ignore",
+        title="Segue",
+    )
+
+
+def _open_keyboard() -> Any:
+    from psychopy.hardware import keyboard
+
+    opened = keyboard.Keyboard()
+    backend = opened.getBackend()
+    if backend != "ptb":
+        raise InputError(
+            f"keyboard: expected PsychoPy's backend 'ptb', found {backend!r}, which times keys "
+            "badly;\ninstall libjack-jackd2-0 and libasound2 (Debian), or see `segue doctor`"
+        )
+    return opened
+
+
+def _refresh_rate(window: Any) -> float | None:
+    """The screen's rate (Hz) as measured, where the system confirms it; None without one.
+
+    A virtual screen shows every flip at once; the session then paces itself.
+    """
+    mode = window.winHandle.screen.get_mode()
+    stated = float(getattr(mode, "rate", 0) or 0)
+    if stated <= 0:
+        return None
+    measured = window.getActualFrameRate(infoMsg="")
+    agrees = measured is not None and np.isclose(measured, stated, rtol=0.03)
+    return float(measured) if agrees else stated

@@ -1,0 +1,33 @@
+"""The words that tasks, sessions and records share: clips by name, trials, what came of them."""
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+
+class ClipKey(NamedTuple):
+    """A clip of a stimulus set: a motion, joined by a method or with a length in frames."""
+
+    motion: str
+    method: str | None = None
+    length: int | None = None
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One trial to show: its number in the session (from 1), its phase, its task's content."""
+
+    number: int
+    phase: str
+    content: Any
+    repeat_of: int | None = None
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of a trial: the response (None: no answer), seconds, and how it was shown."""
+
+    response: str | None
+    response_time: float | None
+    onset: float
+    late_frames: int = 0
+    void: bool = False
