@@ -112,8 +112,7 @@ class Track:
 
 def stop_visits(n: int, track: Track) -> bool:
     """Any level has been answered `n` times (Wang VI.3: ten)."""
-    level, _ = track.answers[-1]
-    return track.visits[level] >= n
+    return max(track.visits.values()) >= n
 
 
 def stop_reversals(n: int, track: Track) -> bool:
