@@ -1,0 +1,29 @@
+"""Transitions between motions: distance, weights, blend length, alignment, blending.
+
+The dissertation's chapters IV to VI: how far two poses are apart, how long a blend should last,
+and how the two motions are joined, in the start-end or the center-aligned specification.
+"""
+
+from stimuli.transition.distance import cost_matrix, pose_distance
+from stimuli.transition.length import LENGTHS, Length, blend_length
+from stimuli.transition.methods import METHODS, Method, Transition, transition
+from stimuli.transition.room import with_room
+from stimuli.transition.weights import WEIGHTS
+from stimuli.transition.window import LONGEST, SPECIFICATIONS, longest_fitting
+
+__all__ = [
+    "LENGTHS",
+    "LONGEST",
+    "METHODS",
+    "SPECIFICATIONS",
+    "WEIGHTS",
+    "Length",
+    "Method",
+    "Transition",
+    "blend_length",
+    "cost_matrix",
+    "longest_fitting",
+    "pose_distance",
+    "transition",
+    "with_room",
+]

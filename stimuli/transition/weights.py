@@ -1,0 +1,46 @@
+"""Weights of the joints in the pose cost (Wang 2005, Table IV.1), by anatomical role."""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+import numpy as np
+
+from stimuli.errors import InputError
+from stimuli.motion.quaternions import Array
+from stimuli.motion.skeleton import Skeleton
+
+Weights = Mapping[str, float]
+SIDES = ("left", "right")
+LIMB_ROLES = ("hip", "knee", "shoulder", "elbow")
+MAJOR = tuple(f"{side}_{limb}" for limb in LIMB_ROLES for side in SIDES)
+
+
+def tied(limbs: Mapping[str, float], trunk: Mapping[str, float] | None = None) -> Weights:
+    """Weights with left and right alike, and those of the trunk."""
+    sided = {f"{side}_{limb}": weight for limb, weight in limbs.items() for side in SIDES}
+    return MappingProxyType(sided | dict(trunk or {}))
+
+
+WEIGHTS: Mapping[str, Weights] = MappingProxyType(
+    {
+        "lee": tied(dict.fromkeys(LIMB_ROLES, 1.0), {"pelvis": 1.0, "spine": 1.0}),
+        "wang": tied({"hip": 1.0, "knee": 0.0901, "shoulder": 0.7884, "elbow": 0.0247}),
+    }
+)
+
+
+def named_weights(weights: str | Weights) -> Weights:
+    """A weight set by its name, or the one given; InputError for an unknown name."""
+    if not isinstance(weights, str):
+        return weights
+    if weights not in WEIGHTS:
+        raise InputError(
+            f"weights: expected one of {', '.join(WEIGHTS)}, or a file, found {weights!r}."
+        )
+    return WEIGHTS[weights]
+
+
+def weighted_joints(skeleton: Skeleton, weights: str | Weights) -> tuple[list[int], Array]:
+    """Joints of the roles with a weight above 0, and those weights (K,)."""
+    used = {role: weight for role, weight in named_weights(weights).items() if weight > 0}
+    return skeleton.role(*used), np.array(list(used.values()))
