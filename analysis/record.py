@@ -158,10 +158,8 @@ def _session(path: Path) -> Session | str:
 
 def _table(rows: list[str], delimiter: str, path: Path) -> tuple[pd.DataFrame, list[str]]:
     """The cells as text, indexed by line number; lines of another width are left out."""
-    if delimiter == ",":
-        lines = list(csv.reader(rows))
-    else:  # BIDS tables know no quotes
-        lines = [row.split(delimiter) if row else [] for row in rows]
+    # Line by line, so that a stray quotation mark spoils one row and not all after it.
+    lines = [next(csv.reader([row], delimiter=delimiter), []) for row in rows]
     if not lines:
         return pd.DataFrame(), [f"{path}: expected a header, found an empty file"]
     header, faults, kept, numbers = lines[0], [], [], []

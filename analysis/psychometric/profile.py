@@ -2,7 +2,7 @@
 
 The quantity is held at a trial value while the likelihood is maximised over the rest; the
 interval is where that maximum stays within half a χ² quantile of the best (Wilks 1938). The two
-ends of every row are bracketed outward from the estimate and then bisected, all in one batch.
+ends of every row are bracketed outward from the estimate and then closed in on, all in one batch.
 """
 
 from collections.abc import Callable
@@ -22,7 +22,7 @@ from analysis.psychometric.scoring import log_likelihood, maximise
 
 FARTHEST = 12.8  # an end farther than this many half ranges from the estimate is unbounded
 _NEAREST = 0.05
-_BISECTIONS = 22
+_STEPS = 9
 _START_SLOPES = 12
 _START_LAPSES = (0.0, 0.02, 0.06)
 
@@ -101,49 +101,72 @@ def _best(
     model: Callable[[Array, Array], tuple[Array, Array, Array]],
     grid: Array, lower: Array, upper: Array, what: Setting, correct: Array, total: Array,
 ) -> Array:  # fmt: skip
-    """Maximise over the first parameter, from every point of `grid`, and a free lapse rate."""
-    rows = np.arange(len(correct))
-    lapses: tuple[float, ...] = (0.0,)
-    if what.lapse is None:
-        lapses = tuple(rate for rate in _START_LAPSES if rate < upper[1]) or (0.0,)
-    best = np.full(len(rows), -np.inf)
-    start = np.zeros((len(rows), 1 + (what.lapse is None)))
-    for first in grid:
-        for lapse in lapses:
-            theta = np.broadcast_to([first, lapse][: start.shape[1]], start.shape)
-            p, q, _ = model(np.array(theta), rows)
-            value = log_likelihood(p, q, correct, total)
-            start = np.where((value > best)[:, None], theta, start)
-            best = np.maximum(value, best)
-    size = start.shape[1]
+    """Maximise over the first parameter, from the best of `grid`, and a free lapse rate."""
+    count, size = len(correct), 1 + (what.lapse is None)
+    lapses = [rate for rate in _START_LAPSES if rate < upper[1]] if size == 2 else [0.0]
+    starts = np.array([(first, lapse) for first in grid for lapse in lapses or [0.0]])[:, :size]
+    rows = np.repeat(np.arange(count), len(starts))
+    p, q, _ = model(np.tile(starts, (count, 1)), rows)
+    value = log_likelihood(p, q, correct[rows], total[rows]).reshape(count, len(starts))
+    start = starts[value.argmax(1)]
     return maximise(model, start, lower[:size], upper[:size], correct, total)[1]
 
 
 def _ends(
     value: Callable[[Array, Array], Array], estimate: Array, best: Array, level: float
 ) -> tuple[Array, Array]:
-    """Where `value` falls by half the χ² quantile below `best`, on both sides of `estimate`."""
+    """Where `value` falls by half the χ² quantile below `best`, on both sides of `estimate`.
+
+    The signed root of the likelihood ratio is nearly straight, so false position on it (with
+    Illinois' halving) needs few steps.
+    """
     rows = np.tile(np.arange(len(estimate)), 2)
     sign = np.repeat([-1.0, 1.0], len(estimate))
-    floor = best[rows] - chdtri(1, 1 - level) / 2
-    centre = estimate[rows]
+    centre, top = estimate[rows], best[rows]
+    root = np.sqrt(chdtri(1, 1 - level))
+
+    def excess(offset: Array, which: Array) -> Array:
+        found = value(centre[which] + sign[which] * offset, rows[which])
+        return np.sqrt(np.maximum(2 * (top[which] - found), 0.0)) - root
+
     inside, outside = np.zeros(len(rows)), np.full(len(rows), np.inf)
-    open_rows = np.flatnonzero(np.isfinite(centre))
+    at_inside, at_outside = np.full(len(rows), -root), np.zeros(len(rows))
+    searching = np.flatnonzero(np.isfinite(centre))
     offset = _NEAREST
-    while len(open_rows) and offset <= FARTHEST * 1.001:
-        at = centre[open_rows] + sign[open_rows] * offset
-        below = value(at, rows[open_rows]) < floor[open_rows]
-        outside[open_rows[below]] = offset
-        inside[open_rows[~below]] = offset
-        open_rows, offset = open_rows[~below], offset * 2
+    while len(searching) and offset <= FARTHEST * 1.001:
+        found = excess(np.full(len(searching), offset), searching)
+        beyond = found > 0
+        outside[searching[beyond]], at_outside[searching[beyond]] = offset, found[beyond]
+        inside[searching[~beyond]], at_inside[searching[~beyond]] = offset, found[~beyond]
+        searching, offset = searching[~beyond], offset * 2
     bounded = np.flatnonzero(np.isfinite(outside))
-    for _ in range(_BISECTIONS if len(bounded) else 0):
-        middle = (inside[bounded] + outside[bounded]) / 2
-        below = value(centre[bounded] + sign[bounded] * middle, rows[bounded]) < floor[bounded]
-        outside[bounded[below]] = middle[below]
-        inside[bounded[~below]] = middle[~below]
+    if len(bounded):
+        outside[bounded] = _root(
+            lambda offset: excess(offset, bounded),
+            (inside[bounded], at_inside[bounded]),
+            (outside[bounded], at_outside[bounded]),
+        )
     ends = np.where(np.isfinite(centre), centre + sign * outside, sign * np.inf)
     return ends[: len(estimate)], ends[len(estimate) :]
+
+
+def _root(
+    function: Callable[[Array], Array], below: tuple[Array, Array], above: tuple[Array, Array]
+) -> Array:
+    """Roots between `below` and `above`, pairs of a place and the value there, for all rows."""
+    (low, at_low), (high, at_high) = below, above
+    place = high
+    for _ in range(_STEPS):
+        place = high - at_high * (high - low) / (at_high - at_low)
+        found = function(place)
+        under = found < 0
+        at_high_kept, at_low_kept = (
+            np.where(under, at_high / 2, found),
+            np.where(under, found, at_low / 2),
+        )
+        low, high = np.where(under, place, low), np.where(under, high, place)
+        at_low, at_high = at_low_kept, at_high_kept
+    return place
 
 
 def _eta(what: Setting, at: float, lapse: Array) -> Array:

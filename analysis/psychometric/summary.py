@@ -14,7 +14,7 @@ from analysis.psychometric.bootstrap import (
 )
 from analysis.psychometric.counts import Counts
 from analysis.psychometric.fit import Batch, Setting, deviance, fit, fit_batch
-from analysis.psychometric.functions import Array
+from analysis.psychometric.functions import Array, proportion
 from analysis.psychometric.verdict import INTERVAL, judge, sentence
 
 INTERVALS = {
@@ -56,6 +56,10 @@ class Summary:
     @property
     def verdict(self) -> str:
         return self.verdicts[0]
+
+    def proportion(self, levels: Array) -> Array:
+        """The fitted proportion right at `levels`."""
+        return proportion(self.function, levels, self.location, self.slope, self.guess, self.lapse)
 
     def as_dict(self) -> dict[str, Any]:
         """The fields of `segue fit`; what the verdict denies is None."""

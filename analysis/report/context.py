@@ -1,0 +1,42 @@
+"""What every part of a study's report is written from."""
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from analysis.record import Study
+from analysis.report.parts import Findings
+from analysis.screening import Screened
+
+
+@dataclass(frozen=True, eq=False)
+class Context:
+    """A study, its screened trials, and how it is analysed."""
+
+    study: Study
+    screened: Screened
+    seed: int = 0
+    second_opinion: bool = False
+
+    @property
+    def protocol(self) -> dict[str, Any]:
+        return self.study.protocol
+
+    @property
+    def alpha(self) -> float:
+        return float(self.table("analysis").get("alpha", 0.05))
+
+    def table(self, name: str) -> dict[str, Any]:
+        """A table of the protocol; empty when it is absent or no table."""
+        found = self.protocol.get(name)
+        return found if isinstance(found, dict) else {}
+
+    @property
+    def stem(self) -> str:
+        """The study's name as the beginning of file names."""
+        plain = re.sub(r"[^A-Za-z0-9]+", "-", self.study.name).strip("-").lower()[:40] or "study"
+        return plain + ("-rehearsal" if self.study.rehearsal else "")
+
+
+Report = Callable[[Context], Findings]

@@ -1,0 +1,113 @@
+"""What every study's report says besides its results: who, what was left out, how it was shown."""
+
+from collections import Counter
+
+import numpy as np
+import pandas as pd
+
+from analysis.report.context import Context
+from analysis.report.draw import LONGER, canvas
+from analysis.report.parts import Figure, Section, Table
+from analysis.report.words import count, listing, number
+
+MOST_FAULTS = 20  # malformed rows named on the page; report.json names them all
+
+
+def people_section(context: Context) -> Section:
+    """Who took part, from participants.tsv where it was filled in."""
+    table = context.study.participants
+    people = context.study.trials["participant"].astype(str).nunique()
+    sessions = context.study.sessions
+    unfinished = sum(session.sidecar.get("Finished") is False for session in sessions)
+    observers = Counter(str(s.sidecar.get("Observer", "not recorded")) for s in sessions)
+    text = [
+        f"{count(people, 'person', 'people')} took part in {count(len(sessions), 'session')} "
+        f"({listing([f'{n} {kind}' for kind, n in observers.items()])}"
+        + (f"; {unfinished} unfinished" if unfinished else "")
+        + ")."
+    ]
+    if "age" in table:
+        ages = pd.to_numeric(table["age"], errors="coerce").dropna()
+        if len(ages):
+            spread = f", SD = {number(ages.std(), 1)}" if len(ages) > 1 else ""
+            text.append(
+                f"Age was given by {len(ages)}: {ages.min():g} to {ages.max():g} years "
+                f"(M = {number(ages.mean(), 1)}{spread})."
+            )
+    for column, words in (
+        ("sex", "Sex"),
+        ("vision", "Normal or corrected vision"),
+        ("naive", "Naïve to the purpose"),
+        ("animation_experience", "Animation experience"),
+    ):
+        if column in table:
+            told = Counter(str(v) for v in table[column] if str(v) not in ("", "n/a"))
+            if told:
+                text.append(f"{words}: {listing([f'{v} {n}' for v, n in told.most_common()])}.")
+    return Section("Who took part", text=(" ".join(text),))
+
+
+def exclusion_section(context: Context) -> Section:
+    """What was left out, rule by rule, stated before the data."""
+    items = []
+    if context.screened.practice:
+        items.append(f"{count(context.screened.practice, 'practice trial')}, by design.")
+    if len(context.screened.catch):
+        items.append(f"{count(len(context.screened.catch), 'catch trial')}, by design.")
+    for exclusion in context.screened.exclusions:
+        who = f" ({listing(exclusion.participants)})" if exclusion.participants else ""
+        items.append(f"{exclusion.rule}: {count(exclusion.trials, 'trial')}{who}.")
+    if context.study.set_aside:
+        items.append(
+            f"{count(len(context.study.set_aside), 'rehearsal session')}, never pooled with others."
+        )
+    faults = context.study.faults
+    items.extend(faults[:MOST_FAULTS])
+    if len(faults) > MOST_FAULTS:
+        items.append(f"… and {len(faults) - MOST_FAULTS} more, all named in report.json.")
+    return Section("Left out, by rules stated before the data", items=tuple(items))
+
+
+def timing_section(context: Context) -> Section:
+    """How the frames were shown: late frames and void trials."""
+    trials = context.study.trials
+    if "late_frames" not in trials or trials["late_frames"].notna().sum() == 0:
+        return Section("Frame timing", text=("The records hold no frame timing.",))
+    late = trials["late_frames"].dropna().astype(float)
+    void = int((trials["void"].fillna(0) == 1).sum()) if "void" in trials else 0
+    times = (
+        trials["response_time"].dropna().astype(float) if "response_time" in trials else late[:0]
+    )
+    text = [
+        f"{int((late == 0).sum())} of {count(len(late), 'trial')} were shown without a late frame; "
+        f"the worst had {late.max():.0f}, and {count(void, 'trial')} "
+        f"{'was' if void == 1 else 'were'} void."
+    ]
+    if len(times):
+        text.append(
+            f"The median answer came {number(times.median())} s after the last frame "
+            f"(middle half {number(times.quantile(0.25))} to {number(times.quantile(0.75))} s)."
+        )
+    figures = (_late_figure(context.stem, late),) if late.max() > 0 else ()
+    by_person = trials.groupby(trials["participant"].astype(str))["late_frames"]
+    data = pd.DataFrame(
+        {"trials": by_person.size(), "late": by_person.sum(), "worst": by_person.max()}
+    ).reset_index(names="participant")
+    shown = data.astype(str) if late.max() > 0 else data.head(0).astype(str)
+    tables = (
+        (Table(f"{context.stem}-timing", "Late frames by person.", data, shown),)
+        if late.max() > 0
+        else ()
+    )
+    return Section("Frame timing", text=(" ".join(text),), figures=figures, tables=tables)
+
+
+def _late_figure(stem: str, late: pd.Series) -> Figure:
+    values, trials = np.unique(np.minimum(late.to_numpy(), 20), return_counts=True)
+    with canvas(7.2, 2.2) as drawn:
+        axis = drawn.figure.subplots()
+        axis.bar(values, trials, color=LONGER, width=0.8)
+        axis.set_yscale("symlog", linthresh=10)
+        axis.set_xlabel("late frames in a trial (20: 20 or more)")
+        axis.set_ylabel("trials")
+    return Figure(f"{stem}-timing", "Late frames a trial.", drawn.svg)

@@ -1,0 +1,215 @@
+"""The results of an odd-pair study: thresholds on both sides of the reference."""
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from analysis.psychometric import Threshold
+from analysis.report.context import Context
+from analysis.report.draw import GRID, INK, PALE, SIDES, canvas, quiet_y, shorten
+from analysis.report.parts import Figure, Findings, Section, Table
+from analysis.report.track_part import track_section
+from analysis.report.words import (
+    count,
+    number,
+    p_value,
+    share,
+    signed,
+    signed_interval,
+)
+from analysis.thresholds import ALL, Entry, entries, plan_of, prepared, signed_threshold
+
+SIDE_WORDS = {"shorter": "shorter blends", "longer": "longer blends"}
+
+
+def report_odd_pair(context: Context) -> Findings:
+    """Psychometric fits pooled, by motion and by person, and the staircases' own estimates."""
+    specification = str(context.table("stimuli").get("specification", ""))
+    trials = prepared(context.screened.main, specification)
+    found = entries(trials, plan_of(context.protocol, context.seed))
+    sections = [
+        _pooled_section(context, name, [entry for entry in found if entry.specification == name])
+        for name in sorted({entry.specification for entry in found})
+    ]
+    people = [entry for entry in found if entry.participant != ALL]
+    if people:
+        sections.append(_people_section(context, people))
+    sections.append(track_section(context, trials))
+    return Findings(tuple(sections), {"psychometric": [entry.as_dict() for entry in found]})
+
+
+def sentence(entry: Entry, number_of: int = 0) -> str:
+    """One threshold in APA style, or why there is none."""
+    threshold, verdict = signed_threshold(entry, number_of), entry.summary.verdicts[number_of]
+    where = "" if entry.motion == ALL else f" of {entry.motion}"
+    who = (
+        f"{count(len(entry.data.people), 'person', 'people')}, "
+        f"{count(entry.summary.trials, 'trial')}"
+    )
+    words = f"For {SIDE_WORDS[entry.side]}{where} ({who})"
+    if verdict != "ok":
+        return f"{words} the data carry no {share(threshold.at)} threshold: {verdict}."
+    fit = entry.summary
+    return (
+        f"{words} the two pairs were told apart at a proportion of {share(threshold.at)} when the "
+        f"blend differed by {signed(threshold.value)} frames, "
+        f"{signed_interval(threshold.low, threshold.high)} ({fit.interval_method}); "
+        f"{fit.function} function, slope {number(fit.slope)}, lapse rate {share(fit.lapse, 3)}, "
+        f"deviance {number(fit.deviance)}, simulated {p_value(fit.deviance_p)}."
+    )
+
+
+def _pooled_section(context: Context, specification: str, found: list[Entry]) -> Section:
+    pooled = [e for e in found if e.participant == ALL]
+    whole = [e for e in pooled if e.motion == ALL]
+    stem = f"{context.stem}-{specification or 'thresholds'}"
+    return Section(
+        f"Thresholds of {specification} transitions" if specification else "Thresholds",
+        findings=tuple(sentence(entry) for entry in whole),
+        figures=(_curves(stem, whole),),
+        tables=(_table(f"{stem}-thresholds", pooled),),
+    )
+
+
+def _table(name: str, found: list[Entry]) -> Table:
+    rows = [
+        {
+            "side": entry.side,
+            "specification": entry.specification,
+            "motion": entry.motion,
+            "participant": entry.participant,
+            "people": len(entry.data.people),
+            "n": entry.summary.trials,
+            "at": threshold.at,
+            "value": value.value,
+            "low": value.low,
+            "high": value.high,
+            "slope": entry.summary.slope,
+            "lapse": entry.summary.lapse,
+            "deviance": entry.summary.deviance,
+            "deviance_p": entry.summary.deviance_p,
+            "stop_level": entry.staircase["stop_level"],
+            "reversal_mean": entry.staircase["reversal_mean"],
+            "verdict": verdict,
+        }
+        for entry in found
+        for place, (threshold, verdict) in enumerate(
+            zip(entry.summary.thresholds, entry.summary.verdicts, strict=True)
+        )
+        for value in [signed_threshold(entry, place)]
+    ]
+    data = pd.DataFrame(rows)
+    denied = data["verdict"] != "ok"
+    data.loc[denied, ["value", "low", "high"]] = np.nan
+    for column in ("value", "low", "high"):
+        data.loc[~np.isfinite(data[column].astype(float)), column] = np.nan
+    return Table(
+        name,
+        "Thresholds in frames of blend length beyond the reference (signed).",
+        data,
+        _shown(data),
+        "“Last level” is the level answered most often, “reversals” the mean at the track's "
+        "turns; both are means over tracks. A dash: not identifiable, or no bound.",
+    )
+
+
+def _shown(data: pd.DataFrame) -> pd.DataFrame:
+    by_person = (data["participant"] != ALL).any()
+    return pd.DataFrame(
+        {
+            "Side": data["side"],
+            ("Person" if by_person else "Motion"): data["participant" if by_person else "motion"],
+            "Trials": data["n"].map(str),
+            "At": data["at"].map(share),
+            "Threshold": data["value"].map(signed),
+            "95% interval": [
+                f"{signed(low)} to {signed(high)}"
+                for low, high in zip(data["low"], data["high"], strict=True)
+            ],
+            "Slope": data["slope"].where(data["verdict"] == "ok").map(number),
+            "Deviance p": data["deviance_p"].map(lambda p: share(p, 3)),
+            "Last level": data["stop_level"].map(signed),
+            "Reversals": data["reversal_mean"].map(signed),
+        }
+    )
+
+
+def _curves(stem: str, whole: list[Entry]) -> Figure:
+    with canvas(7.2, 3.7) as drawn:
+        axis = drawn.figure.subplots()
+        axis.axhline(0.5, color=PALE, linewidth=1, linestyle=(0, (4, 3)))
+        axis.axvline(0, color=GRID, linewidth=1)
+        for entry in whole:
+            _side(axis, entry)
+        axis.set_ylim(0.28, 1.03)
+        axis.set_xlabel("difference from the reference length (frames)")
+        axis.set_ylabel("proportion right")
+        axis.legend(loc="lower right", fontsize=8.5)
+    return Figure(
+        f"{stem}-curves",
+        "Proportion of odd pairs found, by signed difference in blend length. Each dot is a "
+        "level, its area the number of trials; curves are maximum-likelihood fits to each side; "
+        "bars are 95% intervals of the threshold. The dashed line is chance.",
+        drawn.svg,
+    )
+
+
+def _side(axis: Any, entry: Entry) -> None:
+    data, colour = entry.counts, SIDES[entry.side]
+    x = entry.sign * data.levels
+    size = 12 + 160 * data.total / data.total.max()
+    axis.scatter(x, data.correct / data.total, s=size, color=colour, alpha=0.35, linewidth=0)
+    label = f"{entry.side} (n = {data.trials})"
+    if entry.summary.verdict != "ok":
+        axis.plot([], [], color=colour, label=f"{label}: not identifiable")
+        return
+    smooth = np.linspace(data.levels[0], data.levels[-1], 200)
+    axis.plot(entry.sign * smooth, entry.summary.proportion(smooth), color=colour, label=label)
+    threshold = signed_threshold(entry)
+    _interval(axis, threshold, colour)
+
+
+def _interval(axis: Any, threshold: Threshold, colour: str) -> None:
+    y = threshold.at
+    low, high = np.clip([threshold.low, threshold.high], -1e3, 1e3)
+    axis.plot([low, high], [y, y], color=INK, linewidth=1.2, solid_capstyle="butt", zorder=4)
+    axis.plot([threshold.value], [y], "o", color=colour, mec=INK, ms=5, zorder=5)
+
+
+def _people_section(context: Context, people: list[Entry]) -> Section:
+    known = [entry for entry in people if entry.summary.verdict == "ok"]
+    refused = len(people) - len(known)
+    text = (
+        f"{count(len(known), 'fit')} of single people are identifiable and "
+        f"{refused} {'is' if refused == 1 else 'are'} not: short tracks seldom carry a person's "
+        "own function, and the pooled fits above do not need it.",
+    )
+    figures = (_people_figure(context.stem, known),) if known else ()
+    table = _table(f"{context.stem}-people", people)
+    return Section("Person by person", text=text, figures=figures, tables=(table,))
+
+
+def _people_figure(stem: str, known: list[Entry]) -> Figure:
+    names = sorted({entry.participant for entry in known})
+    with canvas(7.2, 0.9 + 0.2 * len(names)) as drawn:
+        axis = drawn.figure.subplots()
+        axis.axvline(0, color=GRID, linewidth=1)
+        edge = max(float(entry.counts.levels[-1]) for entry in known) * 1.15
+        for entry in known:
+            threshold = signed_threshold(entry)
+            place = names.index(entry.participant)
+            ends = np.clip([threshold.low, threshold.high], -edge, edge)
+            axis.plot(ends, [place, place], color=SIDES[entry.side], linewidth=1, alpha=0.6)
+            axis.plot([threshold.value], [place], "o", color=SIDES[entry.side], ms=4.5)
+        axis.set_yticks(range(len(names)), shorten(names))
+        axis.set_ylim(len(names) - 0.4, -0.6)
+        axis.set_xlim(-edge, edge)
+        axis.set_xlabel("threshold (frames of difference)")
+        quiet_y(axis)
+    return Figure(
+        f"{stem}-people",
+        "Thresholds of single people with 95% profile-likelihood intervals, cut at the edge "
+        "of the levels; people whose data carry none are left out.",
+        drawn.svg,
+    )

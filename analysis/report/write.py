@@ -1,0 +1,184 @@
+"""The report written: one page, one JSON document, tables and figures beside them."""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from analysis.files import write_atomic
+from analysis.record import Study, read
+from analysis.report.context import Context, Report
+from analysis.report.parts import Findings, Section
+from analysis.report.preference_part import report_preference
+from analysis.report.provenance import provenance, provenance_section
+from analysis.report.study_parts import exclusion_section, people_section, timing_section
+from analysis.report.threshold_part import report_odd_pair
+from analysis.report.words import count
+from analysis.screening import screen
+
+TASKS: dict[str, Report] = {
+    "odd-pair": report_odd_pair,
+    "preference": report_preference,
+}
+
+
+@dataclass(frozen=True, eq=False)
+class StudyReport:
+    """One study as the page and the document have it."""
+
+    name: str
+    title: str
+    subtitle: str
+    warnings: tuple[str, ...]
+    sections: tuple[Section, ...]
+    document: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Written:
+    """Where the report is, and its document."""
+
+    page: Path
+    document: dict[str, Any]
+
+
+def write_report(data: list[Path], out: Path | None = None, seed: int = 0) -> Written:
+    """Read every record below `data` and write the report into `out`.
+
+    `out` defaults to `derivatives/segue` in the first of `data`. Raises InputError when no
+    record is found.
+    """
+    studies, notes = read(data)
+    out = out or (data[0] if data[0].is_dir() else data[0].parent) / "derivatives" / "segue"
+    reports = [report_of(study, seed) for study in studies]
+    document = {"studies": [report.document for report in reports], "unread": notes}
+    for report in reports:
+        for section in report.sections:
+            for figure in section.figures:
+                write_atomic(out / "figures" / f"{_stem(figure.name)}.svg", figure.svg)
+            for table in section.tables:
+                content = table.data.to_csv(index=False, lineterminator="\n")
+                write_atomic(out / "tables" / f"{_stem(table.name)}.csv", content)
+    text = json.dumps(clean(document), indent=2, ensure_ascii=False, allow_nan=False)
+    write_atomic(out / "report.json", text + "\n")
+    page = out / "report.html"
+    write_atomic(page, render(reports, notes))
+    return Written(page, document)
+
+
+def report_of(study: Study, seed: int = 0) -> StudyReport:
+    """Analyse one study."""
+    context = Context(study, screen(study), seed)
+    main = context.screened.main
+    findings = TASKS[study.task](context) if len(main) else _nothing(context)
+    sections = (
+        people_section(context),
+        exclusion_section(context),
+        *findings.sections,
+        timing_section(context),
+        provenance_section(context),
+    )
+    return StudyReport(
+        name=study.name,
+        title=str(study.protocol.get("title") or study.name),
+        subtitle=_subtitle(context),
+        warnings=_warnings(context),
+        sections=sections,
+        document=_document(context, findings),
+    )
+
+
+def _document(context: Context, findings: Findings) -> dict[str, Any]:
+    study, screened = context.study, context.screened
+    return {
+        "protocol": study.name,
+        "task": study.task,
+        "participants": int(study.trials["participant"].astype(str).nunique()),
+        "trials": len(screened.main),
+        "excluded": screened.excluded,
+        "exclusions": [
+            {
+                "rule": exclusion.rule,
+                "participants": list(exclusion.participants),
+                "trials": exclusion.trials,
+            }
+            for exclusion in screened.exclusions
+        ],
+        "rehearsal": study.rehearsal,
+        "rehearsals_left_out": len(study.set_aside),
+        "faults": list(study.faults),
+        "comparisons": [],
+        "ratings": [],
+        "psychometric": [],
+        **findings.document,
+        "text": findings.sentences,
+        "provenance": provenance(context),
+    }
+
+
+def _nothing(context: Context) -> Findings:
+    return Findings((Section("Results", text=("No trial is left to analyse.",)),))
+
+
+def _subtitle(context: Context) -> str:
+    source = context.protocol.get("source")
+    parts = [context.study.name, f"task {context.study.task}"]
+    return " · ".join(parts + ([str(source)] if source else []))
+
+
+def _warnings(context: Context) -> tuple[str, ...]:
+    study, told = context.study, []
+    if study.rehearsal:
+        told.append(
+            "A rehearsal: short clips, short tracks or hurried time. These figures show that the "
+            "study runs; they say nothing about how people see."
+        )
+    observers = {str(session.sidecar.get("Observer", "human")) for session in study.sessions}
+    if "simulated" in observers:
+        who = "All" if observers == {"simulated"} else "Some"
+        told.append(f"{who} answers here come from simulated observers, not from people.")
+    return tuple(told)
+
+
+def render(reports: list[StudyReport], notes: list[str]) -> str:
+    """The page; everything but the drawings made here is escaped."""
+    from jinja2 import Environment, PackageLoader
+    from markupsafe import Markup
+
+    environment = Environment(
+        loader=PackageLoader("analysis.report", "."),
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["drawn"] = Markup
+    trials = sum(report.document["trials"] for report in reports)
+    subtitle = f"{count(len(reports), 'study', 'studies')}, {count(trials, 'trial')} analysed"
+    if notes:
+        subtitle += f"; {count(len(notes), 'file')} could not be read (named in report.json)"
+    return environment.get_template("page.html").render(
+        title="How the transitions were seen",
+        subtitle=subtitle,
+        studies=reports,
+        footer="Written by Segue. Numbers behind every figure: tables/ and report.json.",
+    )
+
+
+def clean(value: Any) -> Any:
+    """JSON has no infinities: a number that is none becomes null; arrays become lists."""
+    if isinstance(value, dict):
+        return {str(key): clean(held) for key, held in value.items()}
+    if isinstance(value, list | tuple | np.ndarray):
+        return [clean(held) for held in value]
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, float) and not np.isfinite(value):
+        return None
+    return value
+
+
+def _stem(name: str) -> str:
+    """A name from a log as a file's stem: nothing in it can lead elsewhere."""
+    return "".join(c if c.isalnum() or c in "-_" else "-" for c in name)[:120]

@@ -1,0 +1,173 @@
+"""Psychometric fits of an odd-pair study: each side of the reference apart.
+
+Pooled over people and motions, for each motion, and for each person; intervals of what is pooled
+over people resample people and then trials within them, since trials of one person are alike.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from analysis.psychometric import (
+    Counts,
+    PeopleCounts,
+    Setting,
+    Summary,
+    Threshold,
+    people_counts,
+    setting,
+    summarise,
+)
+from analysis.psychometric.summary import threshold_dict
+from analysis.tracks import staircase_threshold, tracks
+
+ALL = "all"
+PERSON_SAMPLES = 200  # simulated deviances for one person's fit, of which there are many
+GUESS = 0.5  # two pairs to choose from
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How an odd-pair study is fitted, from the protocol's table [analysis]."""
+
+    what: Setting
+    at: tuple[float, ...] = (0.75, 0.70)
+    samples: int = 2000
+    seed: int = 0
+
+
+def plan_of(protocol: dict[str, Any], seed: int = 0) -> Plan:
+    """The plan stated in a protocol; .75 (or the highest proportion named) leads."""
+    stated = protocol.get("analysis")
+    stated = stated if isinstance(stated, dict) else {}
+    at = stated.get("at", (0.70, 0.75))
+    named = [float(p) for p in (at if isinstance(at, list | tuple) else [at])]
+    lapse = stated.get("lapse", "free")
+    return Plan(
+        what=setting(
+            str(stated.get("function", "logistic")), GUESS, None if lapse == "free" else lapse
+        ),
+        at=tuple(sorted(named, key=lambda p: (p != 0.75, -p))),
+        samples=int(stated.get("bootstrap", 2000)),
+        seed=seed,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Entry:
+    """One fit: where it belongs, its trials, its summary and the staircase's own estimates."""
+
+    side: str
+    specification: str
+    motion: str
+    participant: str
+    data: PeopleCounts
+    summary: Summary
+    staircase: dict[str, float | None]
+
+    @property
+    def sign(self) -> float:
+        return -1.0 if self.side == "shorter" else 1.0
+
+    @property
+    def counts(self) -> Counts:
+        return self.data.pooled()
+
+    def as_dict(self) -> dict[str, Any]:
+        """The entry of report.json: thresholds signed and ordered, the fit on |difference|."""
+        told = self.summary.as_dict()
+        signed = [
+            _signed(threshold_dict(threshold, verdict), self.sign)
+            for threshold, verdict in zip(
+                self.summary.thresholds, self.summary.verdicts, strict=True
+            )
+        ]
+        return {
+            "side": self.side,
+            "specification": self.specification,
+            "motion": self.motion,
+            "participant": self.participant,
+            "n": self.summary.trials,
+            "function": self.summary.function,
+            **told,
+            "threshold": signed[0],
+            "thresholds": signed,
+            "staircase_threshold": self.staircase,
+        }
+
+
+def _signed(told: dict[str, float | None], sign: float) -> dict[str, float | None]:
+    if sign > 0:
+        return told
+    value, low, high = told["value"], told["low"], told["high"]
+    return told | {
+        "value": None if value is None else -value,
+        "low": None if high is None else -high,
+        "high": None if low is None else -low,
+    }
+
+
+def prepared(trials: pd.DataFrame, specification: str = "") -> pd.DataFrame:
+    """Answered odd-pair trials with every column that the fits group by."""
+    table = trials.copy()
+    for column, default in (("motion", ""), ("specification", specification)):
+        if column not in table:
+            table[column] = default
+        table[column] = table[column].fillna(default).astype(str)
+    table["participant"] = table["participant"].astype(str)
+    table["track"] = np.where(table["difference"] < 0, "shorter", "longer")
+    table["level"] = table["difference"].abs()
+    return table
+
+
+def entries(trials: pd.DataFrame, plan: Plan) -> list[Entry]:
+    """All fits of prepared trials: pooled, by motion, by person; shorter before longer."""
+    found = []
+    grouped = trials.groupby(["specification", "track"], sort=True)
+    for (specification, side), part in sorted(
+        grouped, key=lambda item: (item[0][0], item[0][1] != "shorter")
+    ):
+        place = (str(side), str(specification))
+        found.append(_entry(part, plan, *place))
+        motions = sorted(set(part["motion"]))
+        for motion in motions if len(motions) > 1 else []:
+            found.append(_entry(part[part["motion"] == motion], plan, *place, motion=motion))
+        people = sorted(set(part["participant"]))
+        for person in people if len(people) > 1 else []:
+            own = part[part["participant"] == person]
+            found.append(_entry(own, plan, *place, participant=person))
+    return found
+
+
+def _entry(
+    part: pd.DataFrame,
+    plan: Plan,
+    side: str,
+    specification: str,
+    *,
+    motion: str = ALL,
+    participant: str = ALL,
+) -> Entry:
+    data = people_counts(part["participant"], part["level"], part["correct"])
+    several = len(data.people) > 1
+    single = participant != ALL or not several
+    summary = summarise(
+        data,
+        plan.what,
+        plan.at,
+        interval="profile" if single else "people",
+        samples=min(plan.samples, PERSON_SAMPLES) if participant != ALL else plan.samples,
+        rng=np.random.default_rng(plan.seed),
+    )
+    return Entry(
+        side, specification, motion, participant, data, summary, staircase_threshold(tracks(part))
+    )
+
+
+def signed_threshold(entry: Entry, number: int = 0) -> Threshold:
+    """The entry's threshold with its sign, ends in ascending order."""
+    plain = entry.summary.thresholds[number]
+    ends = sorted((entry.sign * plain.low, entry.sign * plain.high))
+    return Threshold(plain.at, entry.sign * plain.value, *ends)

@@ -1,0 +1,27 @@
+"""`segue report`: session records in, a statistical report out."""
+
+import argparse
+from pathlib import Path
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("data", metavar="DATA", type=Path, nargs="+", help="data set or table")
+    parser.add_argument(
+        "--out", metavar="DIR", type=Path, help="default: DATA/derivatives/segue of the first DATA"
+    )
+    parser.add_argument("--seed", type=int, default=0, help="seed of the resampling (default 0)")
+    parser.add_argument("--json", action="store_true", help="print report.json's document")
+
+
+def run(args: argparse.Namespace) -> int:
+    from analysis.report import write_report
+
+    written = write_report(args.data, args.out, args.seed)
+    if args.json:
+        from analysis.report.write import clean
+        from study.cli.common import print_json
+
+        print_json(clean(written.document))
+    else:
+        print(written.page)
+    return 0
