@@ -10,9 +10,9 @@ class Appearance:
     width: int = 640
     height: int = 480
     background: tuple[float, float, float] = (0.5, 0.5, 0.5)
-    style: str = "body"  # an entry of stimuli.render.bodies.BODIES
+    body: str = "figure"  # an entry of stimuli.render.bodies.BODIES
     colour: tuple[float, float, float] = (0.80, 0.76, 0.72)
-    azimuth: float = 40.0  # degrees from the figure's heading at the transition, to its left
+    azimuth: float = 35.0  # degrees from the figure's heading at the transition, to its left
     elevation: float = 8.0  # degrees above level
     field_of_view: float = 30.0  # degrees, vertical
     margin: float = 0.06  # of the frame left free on each side

@@ -6,13 +6,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stimuli.errors import InputError
+from stimuli.motion.kinematics import forward
 from stimuli.motion.skeleton import Motion
 from stimuli.render.field import body_distance, closed_mesh, gradient
 from stimuli.render.landmarks import Landmarks, landmarks
 from stimuli.render.loft import loft, vertex_normals
 from stimuli.render.parts import body_parts
 from stimuli.render.reference import reference_pose
-from stimuli.render.rig import Rig, make_rig
+from stimuli.render.rig import Rig, dual_quaternions, make_rig
 from stimuli.render.shapes import Floats, Part, bone_weights, distance, place_on_axis
 
 SOFT = 0.010
@@ -21,26 +23,45 @@ OCCLUSION = (0.03, 0.06, 0.11, 0.18)
 
 
 @dataclass(frozen=True, eq=False)
-class Body:
-    """A skin in the reference pose and the bones that carry it."""
+class Skin:
+    """A closed surface in the reference pose, and which bones carry each of its points."""
 
-    style: str
     points: NDArray[np.float32]  # (V, 3) metres
     normals: NDArray[np.float32]  # (V, 3)
     faces: NDArray[np.int32]  # (T, 3)
     weights: NDArray[np.float32]  # (V, B)
     openness: NDArray[np.float32]  # (V,) 1 in the open, towards 0 in folds
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """A skin and the bones that carry it."""
+
+    style: str
+    skin: Skin
     rig: Rig
 
 
-def make_body(motion: Motion, style: str = "body") -> Body:
-    """A body for the skeleton of `motion`, whose frames may serve to find a stance."""
+def make_body(motion: Motion, style: str = "figure") -> Body:
+    """A body for the skeleton of `motion`, whose frames may serve to find a stance.
+
+    InputError for a style that is not in the table, or a skeleton without the roles it takes.
+    """
+    if style not in BODIES:
+        raise InputError(f"body: expected one of {', '.join(BODIES)}, found {style!r}.")
     reference = reference_pose(motion)
     marks = landmarks(reference)
-    return BODIES[style](make_rig(reference, marks), marks)
+    rig = make_rig(reference, marks)
+    return Body(style, BODIES[style](rig, marks), rig)
 
 
-def figure(rig: Rig, marks: Landmarks) -> Body:
+def bone_motion(body: Body, motion: Motion) -> NDArray[np.float32]:
+    """(F, B, 8) how the body's bones move, as dual quaternions from the reference pose."""
+    positions, orientations = forward(motion.skeleton, motion.rotations, motion.root)
+    return dual_quaternions(body.rig, positions, orientations).astype(np.float32)
+
+
+def skin_parted(rig: Rig, marks: Landmarks) -> Skin:
     """Smooth parts, each with its own skin, merged into one mesh."""
     points, faces, normals, weights = [], [], [], []
     count = 0
@@ -53,30 +74,37 @@ def figure(rig: Rig, marks: Landmarks) -> Body:
         weights.append(bone_weights(part, places, rig.names))
         count += len(skin)
     skin, outward, share = (np.concatenate(rows) for rows in (points, normals, weights))
-    return _body("figure", skin, outward, np.concatenate(faces), share, parts, rig)
+    return _skin(parts, skin, outward, np.concatenate(faces), share)
 
 
-def closed_body(rig: Rig, marks: Landmarks) -> Body:
+def skin_closed(rig: Rig, marks: Landmarks) -> Skin:
     """One closed skin over all parts, joined smoothly."""
     parts = body_parts(marks)
     points, faces = closed_mesh(parts)
     slope = gradient(parts, points)
     normals = slope / np.linalg.norm(slope, axis=1, keepdims=True)
     weights = _spread(_skin_weights(parts, points, rig, marks.stature), faces)
-    return _body("body", points, normals, faces, weights, parts, rig)
+    return _skin(parts, points, normals, faces, weights)
 
 
-BODIES: Mapping[str, Callable[[Rig, Landmarks], Body]] = {"figure": figure, "body": closed_body}
+BODIES: Mapping[str, Callable[[Rig, Landmarks], Skin]] = {
+    "figure": skin_closed,
+    "parts": skin_parted,
+}
 
 
-def _body(
-    style: str, points: Floats, normals: Floats, faces: NDArray[np.int32], weights: Floats,
-    parts: tuple[Part, ...], rig: Rig,
-) -> Body:  # fmt: skip
+def _skin(
+    parts: tuple[Part, ...],
+    points: Floats,
+    normals: Floats,
+    faces: NDArray[np.int32],
+    weights: Floats,
+) -> Skin:
     single = np.float32
-    return Body(
-        style, points.astype(single), normals.astype(single), faces, weights.astype(single),
-        _openness(parts, points, normals).astype(single), rig,
+    openness = _openness(parts, points, normals)
+    return Skin(
+        points.astype(single), normals.astype(single), faces, weights.astype(single),
+        openness.astype(single),
     )  # fmt: skip
 
 

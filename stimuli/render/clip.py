@@ -5,13 +5,13 @@ from pathlib import Path
 
 import numpy as np
 
-from stimuli.motion.kinematics import forward, headings
+from stimuli.motion.kinematics import headings
 from stimuli.motion.quaternions import Array
 from stimuli.motion.skeleton import Motion
 from stimuli.render.appearance import Appearance
-from stimuli.render.bodies import Body, make_body
+from stimuli.render.bodies import Body, bone_motion, make_body
 from stimuli.render.camera import Camera, fit_camera
-from stimuli.render.rig import dual_quaternions, skin
+from stimuli.render.rig import moved
 from stimuli.render.video import Frames, write_video
 
 EVERY = 23  # one vertex in so many is enough to know how far a body reaches
@@ -27,12 +27,11 @@ def group_camera(body: Body, motions: Sequence[Motion], heading: float, look: Ap
 
 def outline(body: Body, motion: Motion) -> Array:
     """(N, 3) points of the moving skin that tell how far it reaches."""
-    positions, orientations = forward(motion.skeleton, motion.rotations, motion.root)
-    bones = dual_quaternions(body.rig, positions, orientations).astype(np.float32)
-    chosen = slice(None, None, EVERY)
-    weights, points, normals = body.weights[chosen], body.points[chosen], body.normals[chosen]
-    moved = [skin(weights, frame, points, normals)[0] for frame in bones]
-    return np.concatenate(moved).astype(float)
+    weights, points, normals = (
+        array[::EVERY] for array in (body.skin.weights, body.skin.points, body.skin.normals)
+    )
+    places = [moved(weights, bones, points, normals)[0] for bones in bone_motion(body, motion)]
+    return np.concatenate(places).astype(float)
 
 
 def render_frames(
@@ -46,11 +45,12 @@ def render_frames(
     """Each frame of a motion as (height, width, 3) RGB, seen three-quarter at frame `middle`."""
     from stimuli.render.scene import renderer
 
-    body = body or make_body(motion, look.style)
+    body = body or make_body(motion, look.body)
     at = len(motion) // 2 if middle is None else middle
     camera = camera or group_camera(body, [motion], float(headings(motion)[at]), look)
-    with renderer(body, camera, look) as drawing:
-        yield from drawing.frames(motion)
+    with renderer(look) as drawing:
+        drawing.show(body.skin, camera)
+        yield from drawing.frames(bone_motion(body, motion))
 
 
 def write_clip(

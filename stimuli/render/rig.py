@@ -97,12 +97,12 @@ def dual_quaternions(rig: Rig, positions: Array, orientations: Array) -> Array:
         if parent >= 0:
             same = np.einsum("fi,fi->f", real[:, bone], real[:, parent]) >= 0
             real[:, bone] *= np.where(same, 1.0, -1.0)[:, None]
-    moved = positions[:, rig.joints] - quat.rotate(real, rest.positions[rig.joints])
-    pure = np.concatenate([np.zeros((*moved.shape[:-1], 1)), moved], axis=-1)
+    shift = positions[:, rig.joints] - quat.rotate(real, rest.positions[rig.joints])
+    pure = np.concatenate([np.zeros((*shift.shape[:-1], 1)), shift], axis=-1)
     return np.concatenate([real, 0.5 * quat.multiply(pure, real)], axis=-1)
 
 
-def skin(weights: Floats, bones: Floats, points: Floats, normals: Floats) -> tuple[Floats, Floats]:
+def moved(weights: Floats, bones: Floats, points: Floats, normals: Floats) -> tuple[Floats, Floats]:
     """Points and normals (V, 3) moved by bones (B, 8) blended with weights (V, B), in any dtype."""
     blended = weights @ bones
     real, dual = blended[:, :4], blended[:, 4:]
@@ -111,9 +111,9 @@ def skin(weights: Floats, bones: Floats, points: Floats, normals: Floats) -> tup
     dual = dual * scale[:, None]
     w, r = real[:, :1], real[:, 1:]
     shift = w * dual[:, 1:] - dual[:, :1] * r + _cross(r, dual[:, 1:])
-    moved = points + 2.0 * (_cross(r, _cross(r, points) + w * points) + shift)
+    placed = points + 2.0 * (_cross(r, _cross(r, points) + w * points) + shift)
     turned = normals + 2.0 * _cross(r, _cross(r, normals) + w * normals)
-    return moved, turned
+    return placed, turned
 
 
 def _cross(u: Floats, v: Floats) -> Floats:

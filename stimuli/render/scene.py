@@ -16,13 +16,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stimuli.motion.kinematics import forward
-from stimuli.motion.skeleton import Motion
 from stimuli.render.appearance import Appearance
-from stimuli.render.bodies import Body
+from stimuli.render.bodies import Skin
 from stimuli.render.camera import Camera
 from stimuli.render.light import shade
-from stimuli.render.rig import dual_quaternions, skin
+from stimuli.render.rig import moved
 from stimuli.render.shapes import Floats
 
 Frames = NDArray[np.uint8]
@@ -31,30 +29,34 @@ BORDER = 2  # pixels around the figure's box, for its antialiased edge
 
 
 class Renderer:
-    """An offscreen context with one body in it."""
+    """An offscreen context for pictures of one look; `show` says of which body, from where."""
 
-    def __init__(self, body: Body, camera: Camera, look: Appearance) -> None:
-        self.body, self.camera, self.look = body, camera, look
-        pyrender = import_pyrender()
+    def __init__(self, look: Appearance) -> None:
+        self.look = look
+        self._pyrender = pyrender = import_pyrender()
         from pyrender.platforms import egl
 
         self._platform = egl.EGLPlatform(look.width, look.height, device=egl.get_device_by_index(0))
         self._platform.init_context()
         self._platform.make_current()
-        self._scene, self._primitive = _scene(pyrender, body, camera, look)
         self._drawing = _drawing(pyrender)(look.width, look.height)
         self._flags = pyrender.RenderFlags.FLAT | pyrender.RenderFlags.OFFSCREEN
         self._background = np.empty((look.height, look.width, 3), dtype=np.uint8)
         self._background[:] = np.rint(np.array(look.background) * 255)
         self._tint = np.array(look.colour, dtype=np.float32)
-        self._buffer = np.ones((len(body.points), 7), dtype=np.float32)
 
-    def frames(self, motion: Motion) -> Iterator[Frames]:
-        """Each frame of the motion as (height, width, 3) RGB."""
-        positions, orientations = forward(motion.skeleton, motion.rotations, motion.root)
-        for bones in dual_quaternions(self.body.rig, positions, orientations).astype(np.float32):
-            points, normals = skin(self.body.weights, bones, self.body.points, self.body.normals)
-            yield self.draw(points, normals)
+    def show(self, skin: Skin, camera: Camera) -> None:
+        """Draw this skin, seen by this camera, from now on."""
+        self.skin, self.camera = skin, camera
+        self._scene, self._primitive = _scene(self._pyrender, skin, camera, self.look)
+        self._buffer = np.ones((len(skin.points), 7), dtype=np.float32)
+        self._drawing._update_context(self._scene, self._flags)
+
+    def frames(self, bone_motion: NDArray[np.float32]) -> Iterator[Frames]:
+        """A picture (height, width, 3) RGB for each frame of the bones' motion (F, B, 8)."""
+        skin = self.skin
+        for bones in bone_motion:
+            yield self.draw(*moved(skin.weights, bones, skin.points, skin.normals))
 
     def draw(self, points: Floats, normals: Floats) -> Frames:
         """One picture (height, width, 3) of the skin at `points` with `normals` (V, 3)."""
@@ -62,9 +64,7 @@ class Renderer:
 
         buffer = self._buffer
         buffer[:, :3] = points
-        buffer[:, 3:6] = shade(normals, self.body.openness, self.camera.axes)[:, None] * self._tint
-        if not self._primitive._in_context():
-            self._drawing._update_context(self._scene, self._flags)
+        buffer[:, 3:6] = shade(normals, self.skin.openness, self.camera.axes)[:, None] * self._tint
         GL.glBindBuffer(GL.GL_ARRAY_BUFFER, self._primitive._buffers[0])
         GL.glBufferSubData(GL.GL_ARRAY_BUFFER, 0, buffer.nbytes, buffer)
         picture = self._background.copy()
@@ -94,9 +94,9 @@ class Renderer:
 
 
 @contextmanager
-def renderer(body: Body, camera: Camera, look: Appearance) -> Iterator[Renderer]:
+def renderer(look: Appearance) -> Iterator[Renderer]:
     """A renderer that is closed whatever happens."""
-    drawing = Renderer(body, camera, look)
+    drawing = Renderer(look)
     try:
         yield drawing
     finally:
@@ -115,12 +115,12 @@ def import_pyrender() -> Any:
     return pyrender
 
 
-def _scene(pyrender: Any, body: Body, camera: Camera, look: Appearance) -> tuple[Any, Any]:
-    """A scene of the body's mesh and the camera; the mesh's one primitive."""
+def _scene(pyrender: Any, skin: Skin, camera: Camera, look: Appearance) -> tuple[Any, Any]:
+    """A scene of the skin's mesh and the camera; the mesh's one primitive."""
     primitive = pyrender.Primitive(
-        positions=body.points,
-        color_0=np.ones((len(body.points), 4), dtype=np.float32),
-        indices=body.faces.astype(np.uint32),
+        positions=skin.points,
+        color_0=np.ones((len(skin.points), 4), dtype=np.float32),
+        indices=skin.faces.astype(np.uint32),
         material=pyrender.MetallicRoughnessMaterial(baseColorFactor=(1.0, 1.0, 1.0, 1.0)),
     )
     scene = pyrender.Scene(bg_color=(*look.background, 1.0))

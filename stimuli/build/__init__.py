@@ -1,0 +1,26 @@
+"""A stimulus set: which clips a study needs, how each is laid out in time, rendered once.
+
+`spec` says what is wanted, `plan` which lengths that means, `layout` how a clip is cut out of a
+transition, `building` renders what is missing in processes of their own (`workers`), `manifest`
+is what a session reads. Nothing here opens a window or imports OpenGL in this process.
+"""
+
+from stimuli.build.building import build
+from stimuli.build.layout import clip_motion
+from stimuli.build.manifest import ClipEntry, Manifest, load_manifest
+from stimuli.build.plan import ResolvedPairing, resolve
+from stimuli.build.spec import Pairing, SetSpec
+from stimuli.render.appearance import Appearance
+
+__all__ = [
+    "Appearance",
+    "ClipEntry",
+    "Manifest",
+    "Pairing",
+    "ResolvedPairing",
+    "SetSpec",
+    "build",
+    "clip_motion",
+    "load_manifest",
+    "resolve",
+]

@@ -1,0 +1,186 @@
+"""Building a set: what is missing is rendered, what is there is kept, nothing is half-written.
+
+A clip's name is the hash of what it is made of: its motion frame by frame, the body, the camera
+and the appearance. A clip counts as there when its file and the small document beside it are, the
+document being written last; so an interrupted build goes on where it stopped, and a change of
+anything that shows gives a new name. Clips of earlier builds stay, since records may refer to
+them; `prune` removes them.
+"""
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from stimuli.build.group import PlannedClip, PlannedGroup, plan_group
+from stimuli.build.manifest import FORMAT, NAME, Manifest, from_document, set_hash
+from stimuli.build.plan import resolve
+from stimuli.build.spec import SetSpec
+from stimuli.build.workers import Job, Rendered, render_all
+from stimuli.errors import InputError
+from stimuli.files import write_atomic
+from stimuli.motion.library import Library
+from stimuli.render.bodies import bone_motion
+
+CLIPS = "clips"
+Progress = Callable[[int, int], None]
+
+
+@dataclass(frozen=True)
+class Inventory:
+    """What a build would do: clips wanted, those to render, and files of earlier builds."""
+
+    wanted: int
+    missing: tuple[str, ...]
+    stale: tuple[Path, ...]
+
+
+def build(
+    spec: SetSpec,
+    library: Library,
+    out: Path,
+    *,
+    workers: int | None = None,
+    progress: Progress | None = None,
+) -> Manifest:
+    """Render what is missing of a set in `workers` processes and write its manifest.
+
+    `progress(done, total)` is told of each clip. InputError for input that cannot be used, before
+    anything is rendered, and where another build of the same set is going on.
+    """
+    from filelock import FileLock, Timeout
+
+    groups = [plan_group(spec, pairing, library) for pairing in resolve(spec, library)]
+    (out / CLIPS).mkdir(parents=True, exist_ok=True)
+    try:
+        with FileLock(out / ".lock", timeout=0):
+            return _built(spec, groups, out, workers, progress or (lambda done, total: None))
+    except Timeout:
+        raise InputError(
+            f"{out}: expected no other build of this set, found one going on.\nWait until it ends."
+        ) from None
+
+
+def inventory(spec: SetSpec, library: Library, out: Path) -> Inventory:
+    """What `build` would do, without doing it."""
+    groups = [plan_group(spec, pairing, library) for pairing in resolve(spec, library)]
+    return _inventory(groups, out)
+
+
+def prune(out: Path, manifest: Manifest) -> int:
+    """Remove clips that the manifest does not name; returns how many."""
+    named = {entry.hash for entry in manifest.clips}
+    stale = [path for path in (out / CLIPS).glob("*.mkv") if path.stem not in named]
+    for path in stale:
+        path.unlink()
+        path.with_suffix(".json").unlink(missing_ok=True)
+    return len(stale)
+
+
+def _inventory(groups: Sequence[PlannedGroup], out: Path) -> Inventory:
+    wanted = {clip.hash for group in groups for clip in group.clips}
+    missing = tuple(name for name in dict.fromkeys(_order(groups)) if not _is_there(out, name))
+    stale = [path for path in sorted((out / CLIPS).glob("*.mkv")) if path.stem not in wanted]
+    return Inventory(len(wanted), missing, tuple(stale))
+
+
+def _order(groups: Sequence[PlannedGroup]) -> list[str]:
+    return [clip.hash for group in groups for clip in group.clips]
+
+
+def _built(
+    spec: SetSpec, groups: list[PlannedGroup], out: Path, workers: int | None, progress: Progress
+) -> Manifest:
+    _tidy(out)
+    missing = set(_inventory(groups, out).missing)
+    jobs = {
+        clip.hash: Job(
+            _file(out, clip.hash),
+            group.body.skin,
+            bone_motion(group.body, clip.laid_out.motion),
+            spec.fps,
+            group.camera,
+            spec.appearance,
+        )
+        for group in groups
+        for clip in group.clips
+        if clip.hash in missing
+    }
+    finished = 0
+    progress(0, len(jobs))
+
+    def done(result: Rendered) -> None:
+        nonlocal finished
+        finished += 1
+        kept = {
+            "frames": result.frames,
+            "frames_sha256": result.frames_sha256,
+            "bytes": result.path.stat().st_size,
+        }
+        write_atomic(result.path.with_suffix(".json"), json.dumps(kept))
+        progress(finished, len(jobs))
+
+    if jobs:
+        render_all(list(jobs.values()), workers, done)
+    document = _document(spec, groups, out)
+    text = json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    path = out / NAME
+    if not path.exists() or path.read_text(encoding="utf-8") != text:
+        write_atomic(path, text)
+    return replace(from_document(out, document), rendered=len(jobs))
+
+
+def _tidy(out: Path) -> None:
+    """Remove what a killed build left half-written; the lock is held, so nobody is writing."""
+    for folder in (out, out / CLIPS):
+        for path in folder.glob(".*.part*"):
+            path.unlink(missing_ok=True)
+
+
+def _file(out: Path, name: str) -> Path:
+    return out / CLIPS / f"{name}.mkv"
+
+
+def _is_there(out: Path, name: str) -> bool:
+    """Whether a clip was written whole: its document agrees with its file."""
+    kept, path = _kept(out, name), _file(out, name)
+    return bool(kept) and path.is_file() and path.stat().st_size == kept.get("bytes")
+
+
+def _kept(out: Path, name: str) -> dict[str, Any]:
+    try:
+        kept = json.loads(_file(out, name).with_suffix(".json").read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return kept if isinstance(kept, dict) else {}
+
+
+def _document(spec: SetSpec, groups: Sequence[PlannedGroup], out: Path) -> dict[str, Any]:
+    document: dict[str, Any] = {
+        "format": FORMAT,
+        "name": spec.name,
+        "hash": "",
+        "fps": spec.fps,
+        "seconds": spec.seconds,
+        "frames": spec.frames,
+        "width": spec.appearance.width,
+        "height": spec.appearance.height,
+        "background": list(spec.appearance.background),
+        "specification": spec.specification,
+        "pairings": {group.name: group.document for group in groups},
+        "clips": [_clip(clip, out) for group in groups for clip in group.clips],
+    }
+    document["hash"] = set_hash(document)
+    return document
+
+
+def _clip(clip: PlannedClip, out: Path) -> dict[str, Any]:
+    kept = _kept(out, clip.hash)
+    return {
+        "hash": clip.hash,
+        "file": f"{CLIPS}/{clip.hash}.mkv",
+        **clip.document,
+        "frames": kept["frames"],
+        "frames_sha256": kept["frames_sha256"],
+    }

@@ -1,0 +1,152 @@
+"""A group of clips planned: every clip laid out, one body, one camera, and what goes on record."""
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from stimuli.build.layout import LaidOut, lay_out
+from stimuli.build.manifest import digest
+from stimuli.build.plan import ResolvedPairing
+from stimuli.build.spec import SetSpec
+from stimuli.motion.clip import Clip
+from stimuli.motion.kinematics import heading
+from stimuli.motion.library import Library
+from stimuli.motion.skeleton import Motion
+from stimuli.render.bodies import Body, make_body
+from stimuli.render.camera import Camera
+from stimuli.render.clip import group_camera
+
+DIGITS = 24  # of the hash that names a clip
+
+
+@dataclass(frozen=True, eq=False)
+class PlannedClip:
+    """A clip before it is rendered: its name, its motion, its entry in the manifest so far."""
+
+    hash: str
+    laid_out: LaidOut
+    document: Mapping[str, Any]
+
+
+@dataclass(frozen=True, eq=False)
+class PlannedGroup:
+    """The clips of a pairing."""
+
+    name: str
+    body: Body
+    camera: Camera
+    clips: tuple[PlannedClip, ...]
+    document: Mapping[str, Any]
+
+
+def plan_group(spec: SetSpec, resolved: ResolvedPairing, library: Library) -> PlannedGroup:
+    """Lay out every clip of a pairing and find the camera that holds the figure in all of them."""
+    look, pairing = spec.appearance, resolved.pairing
+    kinds: list[tuple[str | None, int]] = [
+        *resolved.methods.items(), *((None, length) for length in resolved.lengths)
+    ]  # fmt: skip
+    laid = [
+        lay_out(spec, resolved, library, method=method, length=length) for method, length in kinds
+    ]
+    source = library.load(pairing.from_clip)
+    body = _body(source, look.body)
+    seen = laid[0]
+    facing = float(
+        heading(seen.motion.skeleton, seen.motion.rotations[seen.at], seen.motion.root[seen.at])
+    )
+    camera = group_camera(body, [clip.motion for clip in laid], facing, look)
+    made_of = {
+        "body": body_digest(body),
+        "camera": asdict(camera),
+        "appearance": asdict(look),
+        "fps": spec.fps,
+    }
+    clips = tuple(
+        _planned(spec, resolved, method, length, clip, made_of)
+        for (method, length), clip in zip(kinds, laid, strict=True)
+    )
+    return PlannedGroup(
+        pairing.name, body, camera, clips, _group_document(resolved, library, camera)
+    )
+
+
+def _planned(
+    spec: SetSpec,
+    resolved: ResolvedPairing,
+    method: str | None,
+    length: int,
+    clip: LaidOut,
+    made_of: Mapping[str, Any],
+) -> PlannedClip:
+    name = digest({"motion": motion_digest(clip.motion), **made_of})[:DIGITS]
+    remark = resolved.remarks.get(method) if method else None
+    document = {
+        "motion": resolved.name,
+        "method": method,
+        "specification": spec.specification,
+        "length": length,
+        "smooth": spec.smooth,
+        "transition_frame": clip.at,
+        "mixed": list(clip.mixed),
+        "measures": {},
+        "warnings": [remark] if remark else [],
+        "motion_sha256": motion_digest(clip.motion),
+        "body_sha256": made_of["body"],
+        "appearance": made_of["appearance"],
+    }
+    return PlannedClip(name, clip, document)
+
+
+def _group_document(resolved: ResolvedPairing, library: Library, camera: Camera) -> dict[str, Any]:
+    pairing = resolved.pairing
+
+    def source(name: str, frame: int) -> dict[str, Any]:
+        clip = library.load(name)
+        return {"clip": name, "path": str(clip.path), "sha256": clip.sha256, "frame": frame}
+
+    return {
+        "category": pairing.category,
+        "reference_length": resolved.reference_length,
+        "lengths": list(resolved.lengths),
+        "methods": dict(resolved.methods),
+        "from": source(pairing.from_clip, pairing.from_frame),
+        "to": source(pairing.to_clip, pairing.to_frame),
+        "camera": asdict(camera),
+    }
+
+
+_BODIES: dict[tuple[str, str], Body] = {}
+
+
+def _body(clip: Clip, style: str) -> Body:
+    """The body of a clip's skeleton, made once for a file and style in a process."""
+    key = (clip.sha256, style)
+    if key not in _BODIES:
+        _BODIES[key] = make_body(clip.motion, style)
+    return _BODIES[key]
+
+
+def motion_digest(motion: Motion) -> str:
+    """SHA-256 of a motion's poses, to a tenth of a millimetre and of a milliradian or so.
+
+    A quaternion and its negative are one rotation and have one digest.
+    """
+    signs = np.where(motion.rotations[..., :1] < 0, -1.0, 1.0)
+    return _sha(motion.skeleton.offsets, motion.rotations * signs, motion.root)
+
+
+@lru_cache(maxsize=64)
+def body_digest(body: Body) -> str:
+    """SHA-256 of a body's skin and weights, to a tenth of a millimetre."""
+    return _sha(body.skin.points, body.skin.faces, body.skin.weights, body.skin.openness)
+
+
+def _sha(*arrays: np.ndarray) -> str:
+    sha = hashlib.sha256()
+    for array in arrays:
+        sha.update(np.rint(np.asarray(array, dtype=float) * 1e4).astype(np.int64).tobytes())
+    return sha.hexdigest()

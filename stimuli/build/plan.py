@@ -1,0 +1,117 @@
+"""Which blend lengths a set means: reference lengths computed, differences turned into lengths."""
+
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from stimuli.build.spec import Pairing, SetSpec
+from stimuli.errors import InputError, InputWarning
+from stimuli.motion.library import Library
+from stimuli.transition import METHODS, Length, with_room
+from stimuli.transition.distance import check_pair
+
+
+@dataclass(frozen=True)
+class ResolvedPairing:
+    """A pairing with the lengths of its clips, in frames.
+
+    `reference_length` is None when no length is a reference (a set by methods); `lengths` are
+    those of a set by lengths, ascending; `methods` maps each method to its length.
+    """
+
+    pairing: Pairing
+    reference_length: int | None
+    lengths: tuple[int, ...]
+    methods: Mapping[str, int]
+    remarks: Mapping[str, str] = field(default_factory=dict)  # by method
+
+    @property
+    def name(self) -> str:
+        """The pairing's name."""
+        return self.pairing.name
+
+    @property
+    def anchor(self) -> int:
+        """The length that the layout in time goes by: the reference, or the first method's."""
+        return (
+            next(iter(self.methods.values()))
+            if self.reference_length is None
+            else self.reference_length
+        )
+
+
+def resolve(spec: SetSpec, library: Library) -> tuple[ResolvedPairing, ...]:
+    """The lengths of every pairing; nothing is rendered.
+
+    InputError for clips that cannot be found or joined, and for lengths below 1 unless
+    `spec.drop_missing`, which drops them with a warning.
+    """
+    return tuple(_resolved(spec, pairing, library) for pairing in spec.pairings)
+
+
+def _resolved(spec: SetSpec, pairing: Pairing, library: Library) -> ResolvedPairing:
+    check_frames(pairing, library)
+    if spec.reference is None:
+        if not spec.methods:
+            raise InputError(
+                f"set {spec.name}: expected methods or a reference length, found neither."
+            )
+        chosen = {method: chosen_length(spec, pairing, library, method) for method in spec.methods}
+        lengths = {method: length.frames for method, length in chosen.items()}
+        faults = {
+            method: f"the {method} length was clamped to {length.frames} frames"
+            for method, length in chosen.items()
+            if length.report.get("clamped")
+        }
+        return ResolvedPairing(pairing, None, (), lengths, faults)
+    reference = (
+        chosen_length(spec, pairing, library, "geodesic").frames
+        if spec.reference == "geodesic"
+        else spec.reference
+    )
+    return ResolvedPairing(pairing, reference, _lengths(spec, pairing, reference), {})
+
+
+def chosen_length(spec: SetSpec, pairing: Pairing, library: Library, method: str) -> Length:
+    """The blend length that a method chooses; loops are given room on both sides."""
+    a, i = with_room(library.load(pairing.from_clip).motion, pairing.from_frame)
+    b, j = with_room(library.load(pairing.to_clip).motion, pairing.to_frame)
+    if method not in METHODS:
+        raise InputError(
+            f"set {spec.name}: expected methods among {', '.join(METHODS)}, found {method!r}."
+        )
+    return METHODS[method].length(a, b, i, j, spec.specification)
+
+
+def check_frames(pairing: Pairing, library: Library) -> None:
+    """Refuse a frame that a clip does not have, and clips of different hierarchies."""
+    places = ((pairing.from_clip, pairing.from_frame), (pairing.to_clip, pairing.to_frame))
+    for clip, frame in places:
+        last = len(library.load(clip).motion) - 1
+        if not 0 <= frame <= last:
+            raise InputError(
+                f"{pairing.name}: expected a frame from 0 to {last} of {clip}, found {frame}."
+            )
+    check_pair(*(library.load(clip).motion for clip, _ in places))
+
+
+def _lengths(spec: SetSpec, pairing: Pairing, reference: int) -> tuple[int, ...]:
+    """The reference and the lengths around it, ascending."""
+    differences = (0, *(-d for d in spec.shorter), *spec.longer)
+    wanted = {reference + difference for difference in differences}
+    missing = sorted(length for length in wanted if length < 1)
+    if missing and not spec.drop_missing:
+        raise InputError(
+            f"set {spec.name}, {pairing.name}: expected blends of 1 frame or more, found "
+            f"{reference} - {reference - missing[0]} = {missing[0]}.\n"
+            "Leave that difference out of `shorter`, or set drop_missing."
+        )
+    if missing:
+        dropped = ", ".join(str(length - reference) for length in missing)
+        warnings.warn(
+            f"set {spec.name}, {pairing.name}: differences {dropped} from {reference} frames "
+            "leave no blend and are dropped",
+            InputWarning,
+            stacklevel=4,
+        )
+    return tuple(sorted(wanted - set(missing)))
