@@ -164,7 +164,7 @@ def _conform(
     source, dropped = _without_rest_poses(source)
     if dropped:
         notes.append(f"{dropped} inserted rest pose{'s' * (dropped > 1)} dropped at the start")
-    roles = resolve_roles(source.names, source.parents, source.rotations, {**source.roles, **given})
+    roles = resolve_roles(source.names, source.parents, source.rotations, given)
     rest, doubt = rest_up(source, roles)
     notes += [doubt] if doubt and up == "auto" else []
     if up == "auto":

@@ -82,9 +82,10 @@ def resolve_roles(
     )
     index = {name: joint for joint, name in reversed(list(enumerate(names)))}
     roles |= {role: index[name] for role, name in (given or {}).items()}
+    if "head" not in roles and "neck" in roles and roles["neck"] not in parents:
+        roles["head"] = roles["neck"]  # nothing above the neck: its rotation moves the head
     trunk = _trunk(roles, parents, rotations)
-    return {role: (roles | trunk)[role] if role in (given or {}) else joint
-            for role, joint in (roles | trunk).items()}  # fmt: skip
+    return roles | {role: joint for role, joint in trunk.items() if role not in (given or {})}
 
 
 def missing_roles(roles: Mapping[str, int]) -> tuple[str, ...]:

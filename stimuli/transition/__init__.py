@@ -5,14 +5,13 @@ and how the two motions are joined, in the start-end or the center-aligned speci
 """
 
 from stimuli.transition.distance import cost_matrix, pose_distance
-from stimuli.transition.length import LENGTHS, Length, blend_length
-from stimuli.transition.methods import METHODS, Method, Transition, transition
+from stimuli.transition.length import Length
+from stimuli.transition.methods import METHODS, Method, Transition, blend_length, transition
 from stimuli.transition.room import with_room
 from stimuli.transition.weights import WEIGHTS
 from stimuli.transition.window import LONGEST, SPECIFICATIONS, longest_fitting
 
 __all__ = [
-    "LENGTHS",
     "LONGEST",
     "METHODS",
     "SPECIFICATIONS",

@@ -7,15 +7,19 @@ from typing import Any
 
 from stimuli.errors import InputError
 from stimuli.motion.skeleton import Motion
-from stimuli.transition.align import aligned, on_skeleton
-from stimuli.transition.blend import blend_linear, spliced
+from stimuli.transition.align import on_skeleton
 from stimuli.transition.distance import check_pair
+from stimuli.transition.join import Join, Joined, join_cut, join_linear
 from stimuli.transition.length import (
-    LENGTHS,
     Length,
     LengthFunction,
+    length_fixed,
+    length_geodesic,
+    length_none,
 )
-from stimuli.transition.window import check_frames, longest_fitting, specified
+from stimuli.transition.timewarp import join_timewarp, length_timewarp
+from stimuli.transition.velocity import length_velocity, length_velocity_speed
+from stimuli.transition.window import check_frames, specified
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,22 +40,6 @@ class Transition:
     report: Mapping[str, Any] = field(default_factory=dict)
 
 
-@dataclass(frozen=True, eq=False)
-class Join:
-    """What is to be joined: frame i of `a` with frame j of `b` (on the skeleton of `a`)."""
-
-    a: Motion
-    b: Motion
-    i: int
-    j: int
-    specification: str
-    length: Length
-    smooth: bool
-
-
-Joined = tuple[Motion, tuple[int, int]]
-
-
 @dataclass(frozen=True)
 class Method:
     """A rule for the length of a blend, and the way of blending."""
@@ -60,32 +48,29 @@ class Method:
     blend: Callable[[Join], Joined]
 
 
-def length_none(a: Motion, b: Motion, i: int, j: int, specification: str) -> Length:
-    """A cut lasts no time."""
-    return Length(0)
-
-
-def join_cut(join: Join) -> Joined:
-    """A[..i], then B[j+1..], with B[j] aligned to A[i]."""
-    b = aligned(join.a, join.b, join.i, join.j)
-    here = slice(join.i, join.i + 1)
-    motion = spliced(join.a, b, join.i, join.j + 1, join.a.rotations[here], join.a.root[here])
-    return motion, (join.i, join.i)
-
-
-def join_linear(join: Join) -> Joined:
-    """Slerp and linear interpolation over the window of the specification."""
-    window = specified(join.specification)(join.i, join.j, join.length.frames)
-    b = aligned(join.a, join.b, window.anchor, window.anchor + window.lag)
-    return blend_linear(join.a, b, window, join.smooth), (window.first, window.last)
-
-
 METHODS: Mapping[str, Method] = MappingProxyType(
     {
         "cut": Method(length_none, join_cut),
-        **{name: Method(length, join_linear) for name, length in LENGTHS.items()},
+        "fixed": Method(length_fixed, join_linear),
+        "geodesic": Method(length_geodesic, join_linear),
+        "velocity": Method(length_velocity, join_linear),
+        "velocity-speed": Method(length_velocity_speed, join_linear),
+        "timewarp": Method(length_timewarp, join_timewarp),
     }
 )
+
+
+def blend_length(
+    a: Motion, b: Motion, i: int, j: int, method: str, specification: str = "start-end"
+) -> Length:
+    """How long a blend from frame i of `a` to frame j of `b` should last, by a method's own rule.
+
+    InputError for motions of different hierarchies, frames that do not exist, unknown names.
+    """
+    check_pair(a, b)
+    check_frames(a, b, i, j)
+    specified(specification)
+    return _method(method).length(a, b, i, j, specification)
 
 
 def transition(
@@ -108,23 +93,14 @@ def transition(
     """
     check_pair(a, b)
     check_frames(a, b, i, j)
-    window = specified(specification)
-    if method not in METHODS:
-        raise InputError(f"method: expected one of {', '.join(METHODS)}, found {method!r}.")
+    specified(specification)
+    way = _method(method)
     if frames is None:
-        length = METHODS[method].length(a, b, i, j, specification)
-    elif method == "cut" and frames != 0:
-        raise InputError(f"cut: expected no frames of blend, found {frames}.")
+        length = way.length(a, b, i, j, specification)
     else:
         length = Length(frames, {"given": True})
-    if method != "cut" and (length.frames < 1 or not window(i, j, length.frames).fits(a, b)):
-        raise InputError(
-            f"{method} {specification} {i} → {j}: expected a length from 1 to "
-            f"{longest_fitting(a, b, i, j, specification)} frames, found {length.frames}.\n"
-            "Choose a shorter blend or frames farther from the ends."
-        )
     join = Join(a, on_skeleton(b, a.skeleton), i, j, specification, length, smooth)
-    motion, mixed = METHODS[method].blend(join)
+    motion, mixed = way.blend(join)
     return Transition(
         motion,
         method,
@@ -135,3 +111,9 @@ def transition(
         mixed,
         MappingProxyType(dict(length.report)),
     )
+
+
+def _method(name: str) -> Method:
+    if name not in METHODS:
+        raise InputError(f"method: expected one of {', '.join(METHODS)}, found {name!r}.")
+    return METHODS[name]

@@ -1,12 +1,16 @@
 """Weights of the joints in the pose cost (Wang 2005, Table IV.1), by anatomical role."""
 
+import json
+import tomllib
 from collections.abc import Mapping
+from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
 
 from stimuli.errors import InputError
 from stimuli.motion.quaternions import Array
+from stimuli.motion.roles import ROLES
 from stimuli.motion.skeleton import Skeleton
 
 Weights = Mapping[str, float]
@@ -44,3 +48,30 @@ def weighted_joints(skeleton: Skeleton, weights: str | Weights) -> tuple[list[in
     """Joints of the roles with a weight above 0, and those weights (K,)."""
     used = {role: weight for role, weight in named_weights(weights).items() if weight > 0}
     return skeleton.role(*used), np.array(list(used.values()))
+
+
+def read_weights(name: str) -> Weights:
+    """A weight set by its name, or from a TOML or JSON file of role = weight."""
+    if name in WEIGHTS:
+        return WEIGHTS[name]
+    path = Path(name)
+    todo = f"Give {', '.join(WEIGHTS)}, or a TOML or JSON file of role = weight."
+    try:
+        text = path.read_text(encoding="utf-8")
+        document = json.loads(text) if path.suffix == ".json" else tomllib.loads(text)
+    except (OSError, UnicodeDecodeError, ValueError) as error:
+        raise InputError(f"{name}: expected weights, found {error}.\n{todo}") from None
+    table = document.get("weights", document)
+    if not isinstance(table, dict):
+        raise InputError(f"{name}: expected role = weight, found {table!r}.\n{todo}")
+    expanded: dict[str, float] = {}
+    for role, weight in table.items():
+        sides = [role] if role in ROLES else [f"{side}_{role}" for side in SIDES]
+        if not set(sides) <= set(ROLES):
+            raise InputError(f"{name}: expected a role, found {role!r}.\n{todo}")
+        if not isinstance(weight, (int, float)) or not 0 <= weight < 1e6:
+            raise InputError(f"{name}: {role}: expected a weight of 0 or more, found {weight!r}.")
+        expanded |= dict.fromkeys(sides, float(weight))
+    if not any(expanded.values()):
+        raise InputError(f"{name}: expected a weight above 0, found none.\n{todo}")
+    return MappingProxyType(expanded)

@@ -54,9 +54,6 @@ PARENTS = np.array([parent for _, parent, *_ in _HUMANOID])
 OFFSETS = np.array([offset for *_, offset in _HUMANOID])
 END_PARENTS = np.array([parent for parent, _ in _ENDS])
 END_OFFSETS = np.array([offset for _, offset in _ENDS])
-ROLES = {"pelvis": "root", "spine": "chest", "chest": "chest", "neck": "neck", "head": "neck"} | {
-    name: name for name in NAMES if name.startswith(("left", "right"))
-}
 _WIDTH = 4 + sum(width for _, _, width, _ in _HUMANOID)
 _TODO = "Take the clip from its source again; only clips of the humanoid can be read."
 
@@ -91,7 +88,6 @@ def read_deepmimic(path: Path, data: bytes, fps: float | None = None) -> Source:
         root=root,
         fps=fps if fps is not None else own_rate,
         loop=loop,
-        roles=ROLES,
     )
 
 

@@ -32,7 +32,6 @@ class Source:
     root: Array
     fps: float
     loop: bool = False
-    roles: Mapping[str, str] = field(default_factory=dict)
     strays: Mapping[str, float] = field(default_factory=dict)
     at_rest: np.ndarray | None = None
     warnings: tuple[str, ...] = ()

@@ -1,0 +1,62 @@
+"""What is to be joined, and two plain ways of joining: the cut and the linear blend."""
+
+from dataclasses import dataclass
+
+from stimuli.errors import InputError
+from stimuli.motion.skeleton import Motion
+from stimuli.transition.align import aligned
+from stimuli.transition.blend import blend_linear, spliced
+from stimuli.transition.length import Length
+from stimuli.transition.window import Window, longest_fitting, specified
+
+Joined = tuple[Motion, tuple[int, int]]  # the result, the first and last frame mixed
+
+
+@dataclass(frozen=True, eq=False)
+class Join:
+    """Frame i of `a` is to be joined with frame j of `b`, which is on the skeleton of `a`."""
+
+    a: Motion
+    b: Motion
+    i: int
+    j: int
+    specification: str
+    length: Length
+    smooth: bool
+
+    @property
+    def window(self) -> Window:
+        """The frames that the specification mixes."""
+        return specified(self.specification)(self.i, self.j, self.length.frames)
+
+    def fitting_window(self) -> Window:
+        """The same; InputError where they leave a motion."""
+        if self.length.frames < 1 or not self.window.fits(self.a, self.b):
+            longest = longest_fitting(self.a, self.b, self.i, self.j, self.specification)
+            raise InputError(
+                f"{self.specification} blend {self.i} → {self.j}: expected a length from 1 to "
+                f"{longest} frames, found {self.length.frames}.\n"
+                "Choose a shorter blend or frames farther from the ends."
+            )
+        return self.window
+
+    def brought(self, window: Window) -> Motion:
+        """`b` with the heading and floor position of `a` where the window is anchored."""
+        return aligned(self.a, self.b, window.anchor, window.anchor + window.lag)
+
+
+def join_cut(join: Join) -> Joined:
+    """A[..i], then B[j+1..], with B[j] aligned to A[i]."""
+    if join.length.frames:
+        raise InputError(f"cut: expected no frames of blend, found {join.length.frames}.")
+    b = aligned(join.a, join.b, join.i, join.j)
+    here = slice(join.i, join.i + 1)
+    motion = spliced(join.a, b, join.i, join.j + 1, join.a.rotations[here], join.a.root[here])
+    return motion, (join.i, join.i)
+
+
+def join_linear(join: Join) -> Joined:
+    """Slerp and linear interpolation over the window of the specification."""
+    window = join.fitting_window()
+    motion = blend_linear(join.a, join.brought(window), window, join.smooth)
+    return motion, (window.first, window.last)

@@ -1,0 +1,82 @@
+"""Pictures of costs and lengths, drawn without a display."""
+
+from collections.abc import Sequence
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stimuli.files import write_atomic
+from stimuli.motion.quaternions import Array
+from stimuli.motion.skeleton import Motion
+from stimuli.transition.curves import joint_curves
+from stimuli.transition.length import geodesic_costs
+from stimuli.transition.points import Point
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_LEFT, _RIGHT = "#c1440e", "#1f5fa8"
+_DASHES = {"hip": "-", "knee": "--", "shoulder": "-.", "elbow": ":"}
+
+
+def draw_lengths(a: Motion, b: Motion, i: int, j: int, specification: str, path: Path) -> None:
+    """The cost against blend length as in Fig. V.2, and each joint's as in Fig. V.6."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(7.0, 6.4), layout="constrained")
+    whole, each = figure.subplots(2, 1, sharex=True)
+    costs = geodesic_costs(a, b, i, j, specification)
+    frames = np.arange(1, len(costs) + 1)
+    best = int(np.nanargmin(costs))
+    whole.plot(frames, costs, color="black")
+    whole.plot(best + 1, costs[best], "o", color=_LEFT)
+    whole.annotate(
+        f"{best + 1} frames, {(best + 1) / a.fps:.2f} s",
+        (best + 1, costs[best]),
+        textcoords="offset points",
+        xytext=(6, 8),
+    )
+    whole.set_ylabel("mean weighted distance (rad²)")
+    whole.set_title(f"Cost of a {specification} blend from frame {i} to frame {j}")
+    for role, curve in joint_curves(a, b, i, j, specification).items():
+        side, _, limb = role.partition("_")
+        color = _LEFT if side == "left" else _RIGHT
+        each.plot(frames, curve, color=color, ls=_DASHES.get(limb, "-"), label=role)
+        if not np.all(np.isnan(curve)):
+            low = int(np.nanargmin(curve))
+            each.plot(low + 1, curve[low], ".", color=color)
+    each.set_ylabel("mean distance of each joint (rad²)")
+    each.set_xlabel("blend length (frames)")
+    each.legend(fontsize="small", ncols=2)
+    for axes in (whole, each):
+        axes.set_ylim(bottom=0)
+        axes.spines[["top", "right"]].set_visible(False)
+    save(figure, path)
+
+
+def draw_cost(cost: Array, minima: Sequence[Point], names: tuple[str, str], path: Path) -> None:
+    """The cost matrix as in Fig. IV.1, darker is cheaper, with its local minima marked."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(6.4, 5.6), layout="constrained")
+    axes = figure.subplots()
+    picture = axes.imshow(cost, cmap="gray", interpolation="nearest", aspect="equal")
+    figure.colorbar(picture, ax=axes, label="cost (darker is cheaper)")
+    axes.plot([p.j for p in minima], [p.i for p in minima], "+", color="#ff9d5c", ms=6)
+    if minima:
+        best = minima[0]
+        axes.plot(best.j, best.i, "o", mfc="none", mec=_LEFT, ms=11, mew=1.6)
+    axes.set_xlabel(f"frame of {names[1]}")
+    axes.set_ylabel(f"frame of {names[0]}")
+    axes.set_title("Cost of a transition" + (f", least {minima[0].cost:.4g}" if minima else ""))
+    save(figure, path)
+
+
+def save(figure: "Figure", path: Path) -> None:
+    """Write a figure whole or not at all, in the format of its suffix (PNG by default)."""
+    kind = path.suffix.lower().lstrip(".") or "png"
+    buffer = BytesIO()
+    figure.savefig(buffer, format=kind, dpi=150)
+    write_atomic(path, buffer.getvalue())

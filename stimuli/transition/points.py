@@ -1,0 +1,120 @@
+"""Where to join two motions: the cost's local minima (Wang 2005, IV.1) and its probabilities."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from stimuli.motion.quaternions import Array
+
+
+@dataclass(frozen=True)
+class Point:
+    """A transition from frame i to frame j and its cost."""
+
+    i: int
+    j: int
+    cost: float
+
+
+def local_minima(cost: Array, before: int = 0, after: int = 0, trivial: int = -1) -> list[Point]:
+    """Cells of `cost` (FA, FB) below or level with their 8 neighbours, cheapest first.
+
+    A plateau counts once, by its first cell, and only where nothing around it is lower. Cells
+    with fewer than `before` frames before i or `after` frames behind j are left out. `trivial`
+    excludes cells with |i − j| ≤ it: a motion that goes on into itself.
+    """
+    lower = np.full(cost.shape, False)
+    for di, dj in _NEIGHBOURS:
+        here, there = _overlap(cost.shape, di, dj)
+        lower[here] |= cost[there] < cost[here]
+    flat = _plateaus(cost, lower)
+    inside = np.zeros(cost.shape, dtype=bool)
+    inside[before:, : cost.shape[1] - after] = True
+    if trivial >= 0:
+        rows, columns = np.indices(cost.shape)
+        inside &= np.abs(rows - columns) > trivial
+    cells = np.argwhere(flat & inside)
+    found = [Point(int(i), int(j), float(cost[i, j])) for i, j in cells]
+    return sorted(found, key=lambda point: (point.cost, point.i, point.j))
+
+
+def cheapest(cost: Array, before: int = 0, after: int = 0, trivial: int = -1) -> Point | None:
+    """The cheapest cell that qualifies, the first of equals; None when none does."""
+    allowed = np.full(cost.shape, np.inf)
+    inside = (slice(before, None), slice(0, max(cost.shape[1] - after, 0)))
+    allowed[inside] = cost[inside]
+    if trivial >= 0:
+        rows, columns = np.indices(cost.shape)
+        allowed[np.abs(rows - columns) <= trivial] = np.inf
+    i, j = np.unravel_index(int(np.argmin(allowed)), cost.shape)
+    if not np.isfinite(allowed[i, j]):
+        return None
+    return Point(int(i), int(j), float(cost[i, j]))
+
+
+def probabilities(cost: Array, sigma: float | None = None) -> Array:
+    """P(i, j) ∝ exp(−D(i, j−1)/σ) (IV.1), each row summing to 1; frame 0 is entered from nowhere.
+
+    σ is the mean of the cheapest cost of every frame unless given.
+    """
+    if sigma is None:
+        sigma = float(np.mean(cost.min(axis=1))) or 1.0
+    shifted = cost[:, :-1]
+    likely = np.zeros(cost.shape)
+    if shifted.shape[1]:
+        likely[:, 1:] = np.exp(-(shifted - shifted.min(axis=1, keepdims=True)) / sigma)
+        likely /= likely.sum(axis=1, keepdims=True)
+    return likely
+
+
+_NEIGHBOURS = [(di, dj) for di in (-1, 0, 1) for dj in (-1, 0, 1) if (di, dj) != (0, 0)]
+
+
+def _overlap(
+    shape: tuple[int, ...], di: int, dj: int
+) -> tuple[tuple[slice, slice], tuple[slice, slice]]:
+    """Slices of the cells that have a neighbour at (di, dj), and of those neighbours."""
+
+    def pair(size: int, step: int) -> tuple[slice, slice]:
+        return slice(max(-step, 0), size - max(step, 0)), slice(max(step, 0), size + min(step, 0))
+
+    (i_here, i_there), (j_here, j_there) = pair(shape[0], di), pair(shape[1], dj)
+    return (i_here, j_here), (i_there, j_there)
+
+
+def _plateaus(cost: Array, lower: np.ndarray) -> np.ndarray:
+    """The first cell of every connected level region without a lower neighbour anywhere."""
+    candidates = ~lower
+    level = np.zeros(cost.shape, dtype=bool)
+    for di, dj in _NEIGHBOURS:
+        here, there = _overlap(cost.shape, di, dj)
+        level[here] |= cost[there] == cost[here]
+    single = candidates & ~level
+    keep = single.copy()
+    seen = np.zeros(cost.shape, dtype=bool)
+    for start in map(tuple, np.argwhere(candidates & level)):
+        if seen[start]:
+            continue
+        region, sound = _region(cost, start, seen)
+        if sound and not lower[tuple(np.array(region).T)].any():
+            keep[min(region)] = True
+    return keep
+
+
+def _region(
+    cost: Array, start: tuple[int, ...], seen: np.ndarray
+) -> tuple[list[tuple[int, int]], bool]:
+    """Cells connected to `start` at its level; marks them in `seen`."""
+    level, waiting, region = cost[start], [(int(start[0]), int(start[1]))], []
+    seen[start] = True
+    while waiting:
+        i, j = waiting.pop()
+        region.append((i, j))
+        for di, dj in _NEIGHBOURS:
+            k, m = i + di, j + dj
+            if not (0 <= k < cost.shape[0] and 0 <= m < cost.shape[1]) or seen[k, m]:
+                continue
+            if cost[k, m] == level:
+                seen[k, m] = True
+                waiting.append((k, m))
+    return region, True

@@ -1,0 +1,81 @@
+"""`segue blend`: join two clips and write the result as BVH or as a video."""
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from stimuli.motion import Motion
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    from study.cli.clips import add_point_arguments
+    from study.cli.common import add_motions_option
+
+    add_point_arguments(parser)
+    parser.add_argument("--method", default="geodesic", help="default geodesic")
+    parser.add_argument("--frames", type=int, help="length, instead of the method's own")
+    parser.add_argument("--specification", default="start-end", help="or center-aligned")
+    parser.add_argument("--smooth", action="store_true", help="ease the weights by a smoothstep")
+    parser.add_argument("--no-foot-lock", action="store_true", help="let feet slide as they will")
+    parser.add_argument(
+        "--out", type=Path, required=True, metavar="FILE.bvh|.mp4|.mkv", help="what to write"
+    )
+    parser.add_argument("--json", action="store_true", help="print one JSON document")
+    add_motions_option(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    from stimuli.errors import InputError
+    from stimuli.transition import transition
+    from study.cli.clips import open_library, open_point, tell_warnings
+    from study.cli.common import print_json
+
+    writers = {".bvh": _write_bvh, ".mp4": _write_video, ".mkv": _write_video}
+    if args.out.suffix.lower() not in writers:
+        raise InputError(f"--out: expected FILE.bvh, .mp4 or .mkv, found {args.out}.")
+    library = open_library(args.motions)
+    a, b = open_point(library, args.from_point), open_point(library, args.to_point)
+    tell_warnings(a.clip, b.clip)
+    joined = transition(
+        a.motion,
+        b.motion,
+        a.place,
+        b.place,
+        method=args.method,
+        specification=args.specification,
+        frames=args.frames,
+        smooth=args.smooth,
+        foot_lock=not args.no_foot_lock,
+    )
+    writers[args.out.suffix.lower()](joined.motion, args.out)
+    first, last = joined.mixed
+    if args.json:
+        print_json(
+            {
+                "out": str(args.out),
+                "method": joined.method,
+                "specification": joined.specification,
+                "frames": joined.frames,
+                "mixed": [first, last],
+                "total_frames": len(joined.motion),
+            }
+        )
+    else:
+        print(
+            f"{args.out}: {len(joined.motion)} frames, {joined.method} {joined.specification}, "
+            f"{joined.frames} frames of blend at {first}-{last}"
+        )
+    return 0
+
+
+def _write_bvh(motion: "Motion", path: Path) -> None:
+    from stimuli.motion.formats.bvh_write import write_bvh
+
+    write_bvh(motion, path)
+
+
+def _write_video(motion: "Motion", path: Path) -> None:
+    from stimuli.render import write_clip
+
+    write_clip(motion, path)

@@ -1,0 +1,59 @@
+"""`CLIP:FRAME` on the command line, and the clips that it names."""
+
+import argparse
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from stimuli.motion import Clip, Library, Motion
+
+
+@dataclass(frozen=True, eq=False)
+class Point:
+    """A frame of a clip; a loop is unrolled so that a blend has room around it."""
+
+    clip: "Clip"
+    frame: int
+    motion: "Motion"
+    place: int  # of that frame in `motion`
+
+
+def add_point_arguments(parser: argparse.ArgumentParser) -> None:
+    """A:i and B:j, the frames where a transition leaves one clip and enters another."""
+    parser.add_argument("from_point", metavar="A:i", help="clip and frame to leave")
+    parser.add_argument("to_point", metavar="B:j", help="clip and frame to enter")
+
+
+def open_library(motions: list[Path] | None) -> "Library":
+    """The library of the directories given, or of the usual ones."""
+    from stimuli.motion import Library, motion_directories
+
+    return Library(motion_directories(motions))
+
+
+def open_point(library: "Library", text: str) -> Point:
+    """The frame that `CLIP:FRAME` names; InputError when there is none such."""
+    from stimuli.errors import InputError
+    from stimuli.transition import with_room
+
+    name, colon, number = text.rpartition(":")
+    if not colon or not number.isdigit():
+        raise InputError(f"{text}: expected CLIP:FRAME, such as walk:42.")
+    clip, frame = library.load(name), int(number)
+    if frame >= len(clip.motion):
+        raise InputError(
+            f"{text}: expected a frame of the working clip (30 a second), "
+            f"0 to {len(clip.motion) - 1}, found {frame}."
+        )
+    motion, place = with_room(clip.motion, frame)
+    return Point(clip, frame, motion, place)
+
+
+def tell_warnings(*clips: "Clip") -> None:
+    """Warnings of the clips, on standard error."""
+    import sys
+
+    for clip in dict.fromkeys(clips):
+        for warning in clip.warnings:
+            print(f"{clip.path}: {warning}", file=sys.stderr)
