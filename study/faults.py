@@ -52,12 +52,14 @@ def find_line(text: str, path: tuple[str | int, ...]) -> int | None:
             break
     else:
         end = next((n for n, line in enumerate(lines) if line.startswith("[")), len(lines))
-    for name in reversed(names[depth:]):
+    found = start + 1 if depth else None
+    for name in names[depth:]:
         key = re.compile(rf"""(^|[\s,{{.])["']?{re.escape(name)}["']?\s*[=.]""")
-        for n in range(start, end):
-            if key.search(lines[n].split("#")[0]):
-                return n + 1
-    return start + 1 if depth else None
+        at = next((n for n in range(start, end) if key.search(lines[n].split("#")[0])), None)
+        if at is None:
+            break
+        start, found = at, at + 1
+    return found
 
 
 def _of_keys(document: Mapping[str, Any]) -> Iterator[Fault]:

@@ -47,10 +47,12 @@ class Appearance(Table):
     width: Annotated[int, Field(ge=64, le=3840)] = 640
     height: Annotated[int, Field(ge=64, le=2160)] = 480
     background: Colour = (0.5, 0.5, 0.5)
-    azimuth: float = 35.0
-    elevation: float = 8.0
     body: str = "figure"
-    ground: bool = False
+    colour: Colour = (0.80, 0.76, 0.72)
+    azimuth: float = 35.0
+    elevation: Annotated[float, Field(ge=-80, le=80)] = 8.0
+    field_of_view: Annotated[float, Field(ge=5, le=90)] = 30.0
+    margin: Annotated[float, Field(ge=0, lt=0.5)] = 0.06
 
 
 class Presentation(Table):

@@ -27,13 +27,14 @@ def print_json(document: Any) -> None:
 
 
 @contextmanager
-def progress(total: int, label: str) -> Iterator[Callable[[int], None]]:
-    """Yield `step(done)`; a bar is drawn on standard error when that is a terminal."""
+def progress(total: int | None, label: str) -> Iterator[Callable[..., None]]:
+    """Yield `step(done, total=None)`; a bar is drawn on standard error when that is a terminal."""
     from tqdm import tqdm
 
     with tqdm(total=total, desc=label, disable=not sys.stderr.isatty(), leave=False) as bar:
 
-        def step(done: int) -> None:
+        def step(done: int, total: int | None = None) -> None:
+            bar.total = total or bar.total
             bar.update(done - bar.n)
 
         yield step

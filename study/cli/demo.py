@@ -73,7 +73,8 @@ def _motions(option: list[Path] | None, out: Path) -> list[Path]:
         _say(f"the sample motions cannot be fetched: {error}")
         _say("going on with a GENERATED walker: synthetic motion, fit for a trial run only")
     generated = out / "generated-motions"
-    write_walker(generated)
+    for seed in range(3):
+        write_walker(generated, seed)
     return [*directories, generated]
 
 
@@ -86,7 +87,7 @@ def _stimuli(directories: list[Path], out: Path) -> Path:
     library = Library([d for d in directories if d.is_dir()])
     spec = set_spec(load(PROTOCOL), None, library, rehearsal=True)
     folder = out / "stimuli" / f"{PROTOCOL}-rehearsal"
-    with progress(0, "rendering") as step:
+    with progress(None, "rendering") as step:
         build(spec, library, folder, progress=step)
     return folder
 
@@ -131,4 +132,4 @@ def _simulate(directories: list[Path], data: Path, seed: int) -> None:
 def _report(data: Path) -> Path:
     from analysis.report import write_report
 
-    return write_report([data])
+    return write_report([data]).page

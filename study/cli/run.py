@@ -81,8 +81,8 @@ def _stimuli(args: argparse.Namespace, protocol: Any) -> Any:
     library = Library(motion_directories(args.motions))
     spec = set_spec(protocol, None, library, rehearsal=True)
     folder = Path("stimulus-sets") / f"{protocol.name}-rehearsal"
-    with progress(1, "rendering") as step:
-        return build(spec, library, folder, progress=lambda done, total: step(done))
+    with progress(None, "rendering") as step:
+        return build(spec, library, folder, progress=step)
 
 
 def _resume(args: argparse.Namespace, record: Any) -> bool:

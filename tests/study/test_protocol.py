@@ -1,0 +1,111 @@
+"""Protocols: the shipped ones are sound, and every fault is reported at once with its place."""
+
+import re
+
+import pytest
+
+from stimuli.errors import InputError
+from study.faults import find_line
+from study.protocol import from_document, load, parse, shipped
+
+GOOD = """
+name = "small"
+task = "odd-pair"
+
+[stimuli]
+specification = "center-aligned"
+reference = 10
+lengths = [2, 6, 14]
+motions = [{ name = "m", from = "a", to = "b" }]
+
+[sets.sample]
+a = { clip = "x", frame = 1 }
+b = { clip = "y", frame = 2 }
+
+[staircase]
+rule = "levitt"
+n_down = 2
+stop = { visits = 10 }
+"""
+
+
+@pytest.mark.parametrize("name", shipped())
+def test_shipped_protocols_have_no_fault(name: str) -> None:
+    protocol = load(name)
+    assert protocol.name == name
+    assert {"sample", "cmu"} <= set(protocol.file.sets)
+    assert protocol.file.source
+    assert from_document(protocol.document).hash == protocol.hash
+
+
+def test_the_hash_is_of_what_is_said_not_of_how() -> None:
+    spaced = GOOD.replace("reference = 10", "reference   =   10   # as in the print")
+    assert parse(spaced).hash == parse(GOOD).hash
+    assert parse(GOOD.replace("= 10 }", "= 9 }")).hash != parse(GOOD).hash
+
+
+def test_three_faults_are_three_lines_with_places() -> None:
+    text = (
+        GOOD.replace('rule = "levitt"', 'rule = "levit"')
+        .replace("[2, 6, 14]", "[0, 6, 14]")
+        .replace("b = {", "c = {")
+    )
+    with pytest.raises(InputError) as caught:
+        parse(text, "small.toml")
+    lines = str(caught.value).splitlines()
+    assert any(re.match(r"small\.toml:8: stimuli\.lengths: .*1 frame or more", n) for n in lines)
+    assert any(re.match(r"small\.toml:16: staircase\.rule: .*'leviti?t?'", n) for n in lines)
+    assert any("sets.sample.b" in n for n in lines)
+    assert any("sets.sample.c" in n for n in lines)
+    assert len(lines) == 4
+
+
+@pytest.mark.parametrize(
+    ("change", "path", "word"),
+    [
+        (('task = "odd-pair"', 'task = "odd"'), "task", "odd-pair, preference"),
+        (("reference = 10", "refrence = 10"), "stimuli.refrence", "reference"),
+        (("frame = 1 }", "frame = -1 }"), "sets.sample.a.frame", "greater than or equal to 0"),
+        (("n_down = 2", "down = 2"), "staircase.down", "takes no down"),
+        (("stop = { visits = 10 }", "stop = {}"), "staircase.stop", "visits, reversals or trials"),
+        (("[2, 6, 14]", "[6, 2]"), "stimuli.lengths", "ascending"),
+        (('name = "m"', 'name = "../m"'), "stimuli.motions.0.name", "pattern"),
+        (("[stimuli]", "methods = ['cut', 'fixed']\n[stimuli]"), "methods", "compares lengths"),
+        (("reference = 10", "reference = 'geodesic'"), "stimuli.lengths", "need a reference"),
+        (("[sets.sample]", "[observer]\nlapse = 0.1\n[sets.sample]"), "observer.slope", "add it"),
+        (
+            ("[staircase]", "[analysis]\nfunction = 'line'\n[staircase]"),
+            "analysis.function",
+            "weib",
+        ),
+    ],
+)
+def test_each_fault_is_named(change: tuple[str, str], path: str, word: str) -> None:
+    with pytest.raises(InputError) as caught:
+        parse(GOOD.replace(*change))
+    assert any(f": {path}: " in n and word in n for n in str(caught.value).splitlines())
+
+
+def test_a_syntax_error_has_its_line() -> None:
+    with pytest.raises(InputError, match=r"line 3"):
+        parse('name = "x"\n\ntask = = 2\n', "x.toml")
+
+
+def test_an_unknown_name_lists_the_shipped() -> None:
+    with pytest.raises(InputError, match="jnd-center"):
+        load("jnd-centre")
+
+
+@pytest.mark.parametrize(
+    ("path", "line"),
+    [
+        (("task",), 3),
+        (("stimuli", "lengths"), 8),
+        (("stimuli", "motions", 0, "from"), 9),
+        (("sets", "sample", "b", "frame"), 13),
+        (("sets", "sample", "zzz"), 11),
+        (("nothing",), None),
+    ],
+)
+def test_lines_are_found_by_key(path: tuple[str | int, ...], line: int | None) -> None:
+    assert find_line(GOOD, path) == line
