@@ -209,19 +209,23 @@ def _present(register: pd.DataFrame, study: Study) -> pd.DataFrame:
 
 
 def _told_apart(sessions: list[Session]) -> list[Session]:
-    """Give people of equal ID in different data sets different names."""
-    homes: dict[str, list[Path]] = {}
+    """Give people of equal ID in different data sets of one study different names."""
+    homes: dict[tuple[str, str], set[Path]] = {}
     for session in sessions:
-        home = _home(session.path)
-        known = homes.setdefault(session.participant, [])
-        if home not in known:
-            known.append(home)
+        homes.setdefault((_plain(session.name), session.participant), set()).add(
+            _home(session.path)
+        )
     return [
         replace(session, participant=f"{session.participant}@{_home(session.path).name}")
-        if len(homes[session.participant]) > 1
+        if len(homes[_plain(session.name), session.participant]) > 1
         else session
         for session in sessions
     ]
+
+
+def _plain(name: str) -> str:
+    """A study's name as file labels have it, so that tables with and without sidecar agree."""
+    return re.sub(r"[^A-Za-z0-9]", "", name).lower()
 
 
 def _home(path: Path) -> Path:
@@ -236,8 +240,7 @@ def _studies(sessions: list[Session]) -> list[Study]:
     groups: dict[tuple[str, str, str], list[Session]] = {}
     for session in sessions:
         mark = str(session.sidecar.get("ProtocolHash") or "")
-        plain = re.sub(r"[^A-Za-z0-9]", "", session.name).lower()
-        groups.setdefault((plain, session.task, mark), []).append(session)
+        groups.setdefault((_plain(session.name), session.task, mark), []).append(session)
     merged = _adopted(groups)
     studies = []
     for (_, task, _), members in sorted(merged.items()):

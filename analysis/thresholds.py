@@ -19,9 +19,10 @@ from analysis.psychometric import (
     people_counts,
     setting,
     summarise,
+    summarise_each,
 )
 from analysis.psychometric.summary import threshold_dict
-from analysis.tracks import staircase_threshold, tracks
+from analysis.tracks import Track, staircase_threshold, tracks
 
 ALL = "all"
 PERSON_SAMPLES = 200  # simulated deviances for one person's fit, of which there are many
@@ -134,36 +135,41 @@ def entries(trials: pd.DataFrame, plan: Plan) -> list[Entry]:
         motions = sorted(set(part["motion"]))
         for motion in motions if len(motions) > 1 else []:
             found.append(_entry(part[part["motion"] == motion], plan, *place, motion=motion))
-        people = sorted(set(part["participant"]))
-        for person in people if len(people) > 1 else []:
-            own = part[part["participant"] == person]
-            found.append(_entry(own, plan, *place, participant=person))
+        found.extend(_people(part, plan, *place))
     return found
 
 
 def _entry(
-    part: pd.DataFrame,
-    plan: Plan,
-    side: str,
-    specification: str,
-    *,
-    motion: str = ALL,
-    participant: str = ALL,
+    part: pd.DataFrame, plan: Plan, side: str, specification: str, motion: str = ALL
 ) -> Entry:
     data = people_counts(part["participant"], part["level"], part["correct"])
-    several = len(data.people) > 1
-    single = participant != ALL or not several
     summary = summarise(
         data,
         plan.what,
         plan.at,
-        interval="profile" if single else "people",
-        samples=min(plan.samples, PERSON_SAMPLES) if participant != ALL else plan.samples,
+        interval="people" if len(data.people) > 1 else "profile",
+        samples=plan.samples,
         rng=np.random.default_rng(plan.seed),
     )
-    return Entry(
-        side, specification, motion, participant, data, summary, staircase_threshold(tracks(part))
-    )
+    found = staircase_threshold(tracks(part))
+    return Entry(side, specification, motion, ALL, data, summary, found)
+
+
+def _people(part: pd.DataFrame, plan: Plan, side: str, specification: str) -> list[Entry]:
+    """Each person's fit over all motions; none where there is but one person."""
+    data = people_counts(part["participant"], part["level"], part["correct"])
+    if len(data.people) < 2:
+        return []
+    samples = min(plan.samples, PERSON_SAMPLES)
+    rng = np.random.default_rng(plan.seed)
+    fits = summarise_each(data, plan.what, plan.at, samples=samples, rng=rng)
+    ran: dict[str, list[Track]] = {person: [] for person in data.people}
+    for track in tracks(part):
+        ran[track.participant].append(track)
+    return [
+        Entry(side, specification, ALL, person, data.of(row), fit, staircase_threshold(ran[person]))
+        for row, (person, fit) in enumerate(zip(data.people, fits, strict=True))
+    ]
 
 
 def signed_threshold(entry: Entry, number: int = 0) -> Threshold:

@@ -13,7 +13,7 @@ from analysis.psychometric.functions import (
     location_for,
     proportion,
 )
-from analysis.psychometric.summary import Summary, Threshold, summarise
+from analysis.psychometric.summary import Summary, Threshold, summarise, summarise_each
 
 __all__ = [
     "FUNCTIONS",
@@ -32,4 +32,5 @@ __all__ = [
     "proportion",
     "setting",
     "summarise",
+    "summarise_each",
 ]

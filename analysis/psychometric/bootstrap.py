@@ -21,6 +21,16 @@ class PeopleCounts:
     total: Array
     people: tuple[str, ...]
 
+    def of(self, row: int) -> "PeopleCounts":
+        """One person alone, at the levels that they saw."""
+        seen = self.total[row] > 0
+        return PeopleCounts(
+            self.levels[seen],
+            self.correct[row : row + 1, seen],
+            self.total[row : row + 1, seen],
+            self.people[row : row + 1],
+        )
+
     def pooled(self) -> Counts:
         return Counts(self.levels, self.correct.sum(0), self.total.sum(0))
 
@@ -40,12 +50,13 @@ def people_counts(people: ArrayLike, levels: ArrayLike, correct: ArrayLike) -> P
 def resample_parametric(
     fits: Batch, total: Array, samples: int, rng: np.random.Generator
 ) -> Resamples:
-    """Draws from the fitted function of a single fit, as many trials at each level as were run."""
+    """Draws (B·samples, L) from B fits, as many trials at each level as `total` (B, L) says."""
     shape = fits.setting.function
-    span = 1 - fits.setting.guess - fits.lapse[0]
-    p = fits.setting.guess + span * shape.cdf(fits.a[0] + fits.b[0] * fits.scale.z)
-    drawn = rng.binomial(total.astype(int), np.clip(p, 0, 1), (samples, len(p)))
-    return drawn.astype(float), np.broadcast_to(total, drawn.shape).copy()
+    span = 1 - fits.setting.guess - fits.lapse[:, None]
+    p = fits.setting.guess + span * shape.cdf(fits.a[:, None] + fits.b[:, None] * fits.scale.z)
+    n = np.repeat(total.astype(int), samples, axis=0)
+    drawn = rng.binomial(n, np.repeat(np.clip(p, 0, 1), samples, axis=0))
+    return drawn.astype(float), n.astype(float)
 
 
 def resample_trials(data: Counts, samples: int, rng: np.random.Generator) -> Resamples:

@@ -1,6 +1,6 @@
 """A fit with everything that is reported of it: interval, goodness of fit and verdict."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -108,31 +108,67 @@ def summarise(
     rng = np.random.default_rng(0) if rng is None else rng
     pooled = data.pooled() if isinstance(data, PeopleCounts) else data
     fits = fit(pooled, what)
-    correct, total = pooled.correct[None], pooled.total[None]
-    judged = [judge(pooled.levels, fits, correct, total, each) for each in at]
-    ends = [(float(low[0]), float(high[0])) for _, low, high in judged]
-    if interval != "profile" and samples:
-        again = _refit(data, pooled, fits, interval, samples, rng)
-        ends = [percentile_interval(again.threshold(each), INTERVAL) for each in at]
-    lost = float(deviance(fits, correct, total)[0])
-    return Summary(
-        function=what.function.name,
-        location=float(fits.location[0]),
-        slope=float(fits.slope[0]),
-        guess=what.guess,
-        lapse=float(fits.lapse[0]),
-        log_likelihood=float(fits.value[0]),
-        deviance=lost,
-        deviance_p=deviance_p(fits, pooled.total, lost, samples, rng) if samples else None,
-        thresholds=tuple(
-            Threshold(each, float(fits.threshold(each)[0]), *end)
-            for each, end in zip(at, ends, strict=True)
-        ),
-        interval_method=INTERVALS[interval if samples else "profile"]
-        + (f", {samples} samples" if interval != "profile" and samples else ""),
-        verdicts=tuple(sentence(int(verdict[0])) for verdict, _, _ in judged),
-        trials=pooled.trials,
+    plain = _summaries(
+        pooled.levels, fits, pooled.correct[None], pooled.total[None], at, samples, rng
+    )[0]
+    if interval == "profile" or not samples:
+        return plain
+    again = _refit(data, pooled, fits, interval, samples, rng)
+    thresholds = tuple(
+        Threshold(each.at, each.value, *percentile_interval(again.threshold(each.at), INTERVAL))
+        for each in plain.thresholds
     )
+    method = f"{INTERVALS[interval]}, {samples} samples"
+    return replace(plain, thresholds=thresholds, interval_method=method)
+
+
+def summarise_each(
+    data: PeopleCounts,
+    what: Setting,
+    at: tuple[float, ...] = (0.75,),
+    *,
+    samples: int = SAMPLES,
+    rng: np.random.Generator | None = None,
+) -> list[Summary]:
+    """Each person's own fit with profile-likelihood intervals, all in one batch."""
+    rng = np.random.default_rng(0) if rng is None else rng
+    fits = fit_batch(data.levels, data.correct, data.total, what)
+    return _summaries(data.levels, fits, data.correct, data.total, at, samples, rng)
+
+
+def _summaries(
+    levels: Array,
+    fits: Batch,
+    correct: Array,
+    total: Array,
+    at: tuple[float, ...],
+    samples: int,
+    rng: np.random.Generator,
+) -> list[Summary]:
+    lost = deviance(fits, correct, total)
+    judged = [judge(levels, fits, correct, total, each) for each in at]
+    found = [fits.threshold(each) for each in at]
+    p = deviance_p(fits, total, lost, samples, rng) if samples else None
+    return [
+        Summary(
+            function=fits.setting.function.name,
+            location=float(fits.location[row]),
+            slope=float(fits.slope[row]),
+            guess=fits.setting.guess,
+            lapse=float(fits.lapse[row]),
+            log_likelihood=float(fits.value[row]),
+            deviance=float(lost[row]),
+            deviance_p=None if p is None else float(p[row]),
+            thresholds=tuple(
+                Threshold(each, float(value[row]), float(low[row]), float(high[row]))
+                for each, value, (_, low, high) in zip(at, found, judged, strict=True)
+            ),
+            interval_method=INTERVALS["profile"],
+            verdicts=tuple(sentence(int(verdict[row])) for verdict, _, _ in judged),
+            trials=int(total[row].sum()),
+        )
+        for row in range(len(total))
+    ]
 
 
 def _refit(
@@ -146,25 +182,22 @@ def _refit(
     if isinstance(data, PeopleCounts) and interval == "people":
         correct, total = resample_people(data, samples, rng)
     elif interval == "parametric":
-        correct, total = resample_parametric(fits, pooled.total, samples, rng)
+        correct, total = resample_parametric(fits, pooled.total[None], samples, rng)
     else:
         correct, total = resample_trials(pooled, samples, rng)
     return fit_batch(pooled.levels, correct, total, fits.setting)
 
 
 def deviance_p(
-    fits: Batch, total: Array, observed: float, samples: int, rng: np.random.Generator
-) -> float:
-    """Share of sets simulated from the fit whose own deviance is at least the observed one.
+    fits: Batch, total: Array, observed: Array, samples: int, rng: np.random.Generator
+) -> Array:
+    """Share (B,) of sets simulated from each fit whose own deviance is at least the observed.
 
     The χ² approximation does not hold for few trials a level (Wichmann and Hill 2001, part I).
     """
     correct, total = resample_parametric(fits, total, samples, rng)
-    simulated = deviance(fit_batch_like(fits, correct, total), correct, total)
-    return float((1 + (simulated >= observed - 1e-9).sum()) / (1 + samples))
-
-
-def fit_batch_like(fits: Batch, correct: Array, total: Array) -> Batch:
-    """Fit other counts at the same levels and setting."""
-    levels = fits.setting.function.untransform(fits.scale.centre + fits.scale.half * fits.scale.z)
-    return fit_batch(levels, correct, total, fits.setting)
+    scale, function = fits.scale, fits.setting.function
+    levels = function.untransform(scale.centre + scale.half * scale.z)
+    refitted = fit_batch(levels, correct, total, fits.setting)
+    simulated = deviance(refitted, correct, total).reshape(len(observed), samples)
+    return (1 + (simulated >= observed[:, None] - 1e-9).sum(1)) / (1 + samples)

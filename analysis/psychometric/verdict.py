@@ -50,7 +50,10 @@ def judge(
     flat = constant_p(best, correct, total) > CONSTANT_P
     threshold = fits.threshold(at)
     at_bound = (fits.b >= fits.scale.steepest * (1 - 1e-3)) | (fits.b <= SHALLOWEST * 1.001)
-    outside = ~((threshold >= levels[0]) & (threshold <= levels[-1]))
+    shown = total > 0
+    lowest = levels[shown.argmax(1)]
+    highest = levels[len(levels) - 1 - shown[:, ::-1].argmax(1)]
+    outside = ~((threshold >= lowest) & (threshold <= highest))
     faults = (flat, falling.value > fits.value, at_bound, outside)
     low, high = threshold_interval(fits, correct, total, at, INTERVAL)
     unbounded = ~(np.isfinite(low) & np.isfinite(high) & (_above_zero(low, fits)))

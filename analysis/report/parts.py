@@ -1,6 +1,7 @@
 """What a report is made of: sections of sentences, figures and tables."""
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import pandas as pd
@@ -25,7 +26,7 @@ class Table:
     shown: pd.DataFrame
     note: str = ""
 
-    @property
+    @cached_property
     def wordy(self) -> set[str]:
         """Columns of words, set flush left; numbers are set flush right."""
         return {

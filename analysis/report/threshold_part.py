@@ -115,7 +115,10 @@ def _table(name: str, found: list[Entry]) -> Table:
 
 
 def _shown(data: pd.DataFrame) -> pd.DataFrame:
-    by_person = (data["participant"] != ALL).any()
+    """The table in print: of single people only the leading threshold."""
+    by_person = bool((data["participant"] != ALL).any())
+    if by_person:
+        data = data[data["at"] == data["at"].iloc[0]]
     return pd.DataFrame(
         {
             "Side": data["side"],
@@ -124,7 +127,7 @@ def _shown(data: pd.DataFrame) -> pd.DataFrame:
             "At": data["at"].map(share),
             "Threshold": data["value"].map(signed),
             "95% interval": [
-                f"{signed(low)} to {signed(high)}"
+                f"{signed(low)} to {signed(high)}" if low == low or high == high else "–"
                 for low, high in zip(data["low"], data["high"], strict=True)
             ],
             "Slope": data["slope"].where(data["verdict"] == "ok").map(number),
