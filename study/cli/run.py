@@ -52,7 +52,7 @@ def run(args: argparse.Namespace) -> int:
     check(request, protocol)
     if not has_screen():
         raise InputError(
-            "segue run: expected a screen, found none (DISPLAY is not set);\n"
+            "expected a screen, found none (DISPLAY is not set);\n"
             "run it on the lab's machine, or under `xvfb-run` for a trial of the set-up"
         )
     manifest = _stimuli(args, protocol)
