@@ -10,6 +10,7 @@ from stimuli.motion.clip import OVERRIDES, Clip, load
 from stimuli.motion.formats import READERS
 
 _SNIFFED = {".txt", ".json"}  # suffixes that other files carry too
+_NEVER_FOUND = {".asf", ".c3d"}  # formats that are always refused are no clips to be named
 
 
 class Library:
@@ -42,7 +43,7 @@ class Library:
         path = Path(name)
         if path.is_file():
             return path
-        found = [p for p in self._paths if p.stem == str(name) and p.suffix != ".c3d"]
+        found = [p for p in self._paths if p.stem == str(name) and p.suffix not in _NEVER_FOUND]
         if len(found) == 1:
             return found[0]
         places = ", ".join(str(directory) for directory in self.directories) or "no directory"
@@ -76,7 +77,7 @@ def clips_under(directory: Path) -> list[Path]:
 def is_clip(path: Path) -> bool:
     """Whether a file looks like a motion clip: by suffix, and by content where that is common."""
     suffix = path.suffix.lower()
-    if suffix not in READERS or path.name == OVERRIDES or not path.is_file():
+    if suffix not in READERS or suffix == ".asf" or path.name == OVERRIDES or not path.is_file():
         return False
     if suffix not in _SNIFFED:
         return True

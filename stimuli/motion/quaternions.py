@@ -104,9 +104,27 @@ def about(axis: str, angle: Array | float) -> Array:
 
 def from_euler(angles: Array, order: str) -> Array:
     """Intrinsic rotations: angles (..., N) radians about the axes named in `order`, in turn."""
+    if len(set(order)) == 3:
+        return _tait_bryan(angles, order)
     q = about(order[0], angles[..., 0])
     for place, axis in enumerate(order[1:], start=1):
         q = multiply(q, about(axis, angles[..., place]))
+    return q
+
+
+def _tait_bryan(angles: Array, order: str) -> Array:
+    """The product of three rotations about three axes, written out; the parity of `order` signs."""
+    i, j, k = (_AXES[axis] for axis in order)
+    parity = 1.0 if order in "XYZXY" else -1.0
+    cosines, sines = np.cos(0.5 * angles), np.sin(0.5 * angles)
+    c1, c2, c3 = cosines[..., 0], cosines[..., 1], cosines[..., 2]
+    s1, s2, s3 = sines[..., 0], sines[..., 1], sines[..., 2]
+    both, neither, first, second = s1 * s2, c1 * c2, s1 * c2, c1 * s2
+    q = np.empty((*angles.shape[:-1], 4))
+    q[..., 0] = neither * c3 - parity * (both * s3)
+    q[..., i] = first * c3 + parity * (second * s3)
+    q[..., j] = second * c3 - parity * (first * s3)
+    q[..., k] = neither * s3 + parity * (both * c3)
     return q
 
 

@@ -8,6 +8,7 @@ where the arms do, the spine the first joint above the pelvis that moves.
 
 import re
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 
 import numpy as np
 
@@ -105,6 +106,7 @@ def _read_in_family(names: Sequence[str], family: Mapping[str, str]) -> dict[str
     return roles
 
 
+@lru_cache(maxsize=4096)
 def _side_and_core(name: str) -> tuple[str, str]:
     """("left", "upperarm") of "mixamorig:Left_UpperArm"; ("", core) for the trunk."""
     bare = re.sub(r"^(.*[:|]|mixamorig\d*_?|Bip\d+[_ ]|Character\d*_)", "", name)

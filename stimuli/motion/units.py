@@ -119,6 +119,8 @@ def is_relative(source: Source, roles: Mapping[str, int], up: str) -> bool:
 
 def upright(rotations: Array, root: Array, rest: str, world: str) -> tuple[Array, Array]:
     """Local rotations and root positions with +Y up, given the up axes of rest pose and world."""
+    if rest == world == "Y":
+        return rotations, root
     body, ground = UPRIGHT[rest], UPRIGHT[world]
     turned = quat.multiply(quat.multiply(body, rotations), quat.inverse(body))
     turned[:, 0] = quat.multiply(quat.multiply(ground, rotations[:, 0]), quat.inverse(body))

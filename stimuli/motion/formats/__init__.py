@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
+from stimuli.motion.formats.acclaim import read_acclaim, refuse_asf, refuse_c3d
 from stimuli.motion.formats.bvh import read_bvh
 from stimuli.motion.formats.deepmimic import read_deepmimic
 from stimuli.motion.formats.source import Source
@@ -11,6 +12,9 @@ Reader = Callable[[Path, bytes, float | None], Source]
 
 READERS: Mapping[str, Reader] = {
     ".bvh": read_bvh,
+    ".amc": read_acclaim,
+    ".asf": refuse_asf,
+    ".c3d": refuse_c3d,
     ".json": read_deepmimic,
     ".txt": read_deepmimic,
 }

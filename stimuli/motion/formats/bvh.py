@@ -84,10 +84,7 @@ def _read_hierarchy(path: Path, text: str) -> _Hierarchy:
     opening: int | None = None  # a joint or End Site named, its brace not yet seen
     end_site = -1
     for number, raw in enumerate(text.split("\n"), start=1):
-        for line in re.split(r"([{}])", raw):
-            words = line.split()
-            if not words:
-                continue
+        for words in _statements(raw):
             keyword = words[0].upper()
             if keyword == "{":
                 if opening is None:
@@ -109,7 +106,7 @@ def _read_hierarchy(path: Path, text: str) -> _Hierarchy:
             elif keyword in ("OFFSET", "CHANNELS") and stack and opening is None:
                 _set_property(tree, stack[-1], words, number)
             elif keyword != "HIERARCHY":
-                raise _misplaced(path, shown(line), number)
+                raise _misplaced(path, shown(" ".join(words)), number)
     if stack or opening is not None or not tree.names:
         raise fault(
             path,
@@ -118,6 +115,14 @@ def _read_hierarchy(path: Path, text: str) -> _Hierarchy:
             "The file is damaged; export it again.",
         )
     return tree
+
+
+def _statements(line: str) -> list[list[str]]:
+    """The words of a line, and its braces each for itself."""
+    words = line.split()
+    if len(words) > 1 and ("{" in line or "}" in line):
+        return [part.split() for part in re.split(r"([{}])", line) if part.strip()]
+    return [words] if words else []
 
 
 def _misplaced(path: Path, what: str, line: int) -> Exception:
