@@ -115,4 +115,5 @@ def _computed(
     if library is None:
         raise InputError(f"{protocol.name}: expected motions to compute lengths, found none")
     resolved = resolve(set_spec(protocol, set_name, library), library)
-    return {pairing.name: int(pairing.reference_length) for pairing in resolved}
+    lengths = {pairing.name: pairing.reference_length for pairing in resolved}
+    return {name: k for name, k in lengths.items() if k is not None}

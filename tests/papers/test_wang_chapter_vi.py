@@ -41,7 +41,9 @@ def intervals(job: tuple[str, int]) -> dict[str, tuple[float, float, float]]:
         rng = np.random.default_rng(seed)
         fit = summarise(data, plan.what, (0.75,), interval="people", samples=1000, rng=rng)
         told = fit.as_dict()["threshold"]
-        value, low, high = (np.nan if told[k] is None else told[k] for k in ("value", "low", "high"))
+        value, low, high = (
+            np.nan if told[k] is None else told[k] for k in ("value", "low", "high")
+        )
         found[str(side)] = (value, low, high)
     return found
 

@@ -1,0 +1,145 @@
+"""`segue render`: build or complete a protocol's stimulus set."""
+
+import argparse
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from study.cli.common import add_motions_option, print_json, progress
+
+if TYPE_CHECKING:
+    from stimuli.build import Manifest
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The options of `segue render`."""
+    parser.add_argument("protocol", help="a protocol file, or the name of a shipped protocol")
+    parser.add_argument("--set", dest="set_name", metavar="NAME", help="which set of clips")
+    parser.add_argument("--out", type=Path, metavar="SET", help="default: stimulus-sets/<protocol>")
+    parser.add_argument("--workers", type=int, metavar="N", help="processes (default: all cores)")
+    parser.add_argument("--dry-run", action="store_true", help="say what would be rendered")
+    parser.add_argument(
+        "--strips", action="store_true", help="write a film strip of each clip beside it"
+    )
+    parser.add_argument(
+        "--prune", action="store_true", help="remove clips that the set no longer names"
+    )
+    parser.add_argument("--json", action="store_true", help="print one JSON document")
+    add_motions_option(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Render what is missing and say what the set holds."""
+    from stimuli.build import build, prune, resolve
+    from stimuli.errors import InputError
+    from stimuli.motion import Library, motion_directories
+    from study.protocol import load
+    from study.sets import set_spec
+
+    if args.workers is not None and args.workers < 1:
+        raise InputError(f"--workers: expected 1 or more, found {args.workers}")
+    protocol = load(args.protocol)
+    library = Library(motion_directories(args.motions))
+    spec = set_spec(protocol, args.set_name, library)
+    out = args.out or Path("stimulus-sets") / protocol.name
+    if args.dry_run:
+        return _dry_run(args, spec, library, out, resolve(spec, library))
+    with _bar() as step:
+        manifest = build(spec, library, out, workers=args.workers, progress=step)
+    pruned = prune(manifest) if args.prune else 0
+    if args.strips:
+        _write_strips(manifest)
+    _tell(args, manifest, pruned)
+    return 0
+
+
+@contextmanager
+def _bar() -> Iterator[Callable[[int, int], None]]:
+    """A bar whose length is known only when the building begins."""
+    with ExitStack() as stack:
+        steps: list[Callable[[int], None]] = []
+
+        def step(done: int, total: int) -> None:
+            if not steps:
+                steps.append(stack.enter_context(progress(total, "rendering")))
+            steps[0](done)
+
+        yield step
+
+
+def _dry_run(args: argparse.Namespace, spec: Any, library: Any, out: Path, resolved: Any) -> int:
+    from stimuli.build import inventory
+
+    would = inventory(spec, library, out)
+    document = {
+        "set": str(out),
+        "clips": would.wanted,
+        "missing": len(would.missing),
+        "frames": spec.frames * len(would.missing),
+        "stale": len(would.stale),
+        "pairings": {
+            pairing.name: {
+                "reference_length": pairing.reference_length,
+                "lengths": list(pairing.lengths),
+                "methods": dict(pairing.methods),
+            }
+            for pairing in resolved
+        },
+    }
+    if args.json:
+        print_json(document)
+        return 0
+    print(f"{out}: {would.wanted} clips, {len(would.missing)} of them to render")
+    for pairing in resolved:
+        print(f"  {pairing.name}: {_lengths(pairing.methods, pairing.lengths)}")
+    return 0
+
+
+def _tell(args: argparse.Namespace, manifest: "Manifest", pruned: int) -> None:
+    from stimuli.build import stale_clips
+
+    stale = len(stale_clips(manifest))
+    if args.json:
+        print_json(
+            {
+                "set": str(manifest.directory),
+                "hash": manifest.hash,
+                "clips": len(manifest.clips),
+                "rendered": manifest.rendered,
+                "stale": stale,
+                "pruned": pruned,
+                "pairings": manifest.pairings,
+            }
+        )
+        return
+    print(f"{manifest.directory}: {len(manifest.clips)} clips, {manifest.rendered} rendered now")
+    for name, pairing in manifest.pairings.items():
+        print(f"  {name}: {_lengths(pairing['methods'], pairing['lengths'])}")
+    if stale:
+        print(
+            f"{stale} clips of earlier builds are kept, since records may refer to them; "
+            "--prune removes them",
+            file=sys.stderr,
+        )
+
+
+def _lengths(methods: Any, lengths: Any) -> str:
+    """Blend lengths in words."""
+    if methods:
+        return ", ".join(f"{method} {length}" for method, length in methods.items()) + " frames"
+    return ", ".join(str(length) for length in lengths) + " frames"
+
+
+def _write_strips(manifest: "Manifest") -> None:
+    """A film strip of each clip around its transition, beside the clip."""
+    from stimuli.build.video import decode
+    from stimuli.render import strip, write_png
+
+    for entry in {entry.hash: entry for entry in manifest.clips}.values():
+        first, last = entry.document["mixed"]
+        kind = entry.method or f"{entry.length:02d}"
+        name = f"{entry.motion}-{kind}.png"
+        picture = strip(decode(entry.path), middle=(first + last) // 2)
+        write_png(manifest.directory / "strips" / name, picture)
