@@ -5,7 +5,7 @@ transition, `building` renders what is missing in processes of their own (`worke
 is what a session reads. Nothing here opens a window or imports OpenGL in this process.
 """
 
-from stimuli.build.building import build
+from stimuli.build.building import Inventory, build, inventory, prune, stale_clips
 from stimuli.build.layout import clip_motion
 from stimuli.build.manifest import ClipEntry, Manifest, load_manifest
 from stimuli.build.plan import ResolvedPairing, resolve
@@ -15,12 +15,16 @@ from stimuli.render.appearance import Appearance
 __all__ = [
     "Appearance",
     "ClipEntry",
+    "Inventory",
     "Manifest",
     "Pairing",
     "ResolvedPairing",
     "SetSpec",
     "build",
     "clip_motion",
+    "inventory",
     "load_manifest",
+    "prune",
     "resolve",
+    "stale_clips",
 ]

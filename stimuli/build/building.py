@@ -68,10 +68,16 @@ def inventory(spec: SetSpec, library: Library, out: Path) -> Inventory:
     return _inventory(groups, out)
 
 
-def prune(out: Path, manifest: Manifest) -> int:
-    """Remove clips that the manifest does not name; returns how many."""
+def stale_clips(manifest: Manifest) -> tuple[Path, ...]:
+    """Clips of earlier builds that lie beside those of the manifest."""
     named = {entry.hash for entry in manifest.clips}
-    stale = [path for path in (out / CLIPS).glob("*.mkv") if path.stem not in named]
+    there = sorted((manifest.directory / CLIPS).glob("*.mkv"))
+    return tuple(path for path in there if path.stem not in named)
+
+
+def prune(manifest: Manifest) -> int:
+    """Remove clips of earlier builds; returns how many."""
+    stale = stale_clips(manifest)
     for path in stale:
         path.unlink()
         path.with_suffix(".json").unlink(missing_ok=True)

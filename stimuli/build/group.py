@@ -13,7 +13,6 @@ from stimuli.build.manifest import digest
 from stimuli.build.plan import ResolvedPairing
 from stimuli.build.spec import SetSpec
 from stimuli.motion.clip import Clip
-from stimuli.motion.kinematics import heading
 from stimuli.motion.library import Library
 from stimuli.motion.skeleton import Motion
 from stimuli.render.bodies import Body, make_body
@@ -54,11 +53,7 @@ def plan_group(spec: SetSpec, resolved: ResolvedPairing, library: Library) -> Pl
     ]
     source = library.load(pairing.from_clip)
     body = _body(source, look.body)
-    seen = laid[0]
-    facing = float(
-        heading(seen.motion.skeleton, seen.motion.rotations[seen.at], seen.motion.root[seen.at])
-    )
-    camera = group_camera(body, [clip.motion for clip in laid], facing, look)
+    camera = group_camera(body, [clip.motion for clip in laid], look, laid[0].at)
     made_of = {
         "body": body_digest(body),
         "camera": asdict(camera),

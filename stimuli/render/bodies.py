@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 from stimuli.errors import InputError
 from stimuli.motion.kinematics import forward
 from stimuli.motion.skeleton import Motion
-from stimuli.render.field import body_distance, closed_mesh, gradient
+from stimuli.render.field import body_distance, closed_mesh
 from stimuli.render.landmarks import Landmarks, landmarks
-from stimuli.render.loft import loft, vertex_normals
+from stimuli.render.loft import loft
+from stimuli.render.mesh import neighbour_mean, vertex_normals
 from stimuli.render.parts import body_parts
 from stimuli.render.reference import reference_pose
 from stimuli.render.rig import Rig, dual_quaternions, make_rig
@@ -81,10 +82,9 @@ def skin_closed(rig: Rig, marks: Landmarks) -> Skin:
     """One closed skin over all parts, joined smoothly."""
     parts = body_parts(marks)
     points, faces = closed_mesh(parts)
-    slope = gradient(parts, points)
-    normals = slope / np.linalg.norm(slope, axis=1, keepdims=True)
     weights = _spread(_skin_weights(parts, points, rig, marks.stature), faces)
-    return _skin(parts, points, normals, faces, weights)
+    weights /= weights.sum(axis=1, keepdims=True)
+    return _skin(parts, points, vertex_normals(points, faces), faces, weights)
 
 
 BODIES: Mapping[str, Callable[[Rig, Landmarks], Skin]] = {
@@ -101,7 +101,7 @@ def _skin(
     weights: Floats,
 ) -> Skin:
     single = np.float32
-    openness = _openness(parts, points, normals)
+    openness = _spread(_openness(parts, points, normals)[:, None], faces, rounds=2)[:, 0]
     return Skin(
         points.astype(single), normals.astype(single), faces, weights.astype(single),
         openness.astype(single),
@@ -129,12 +129,8 @@ def _skin_weights(parts: tuple[Part, ...], points: Floats, rig: Rig, stature: fl
     return weights
 
 
-def _spread(weights: Floats, faces: NDArray[np.int32]) -> Floats:
-    """Weights after a few steps of heat flow over the mesh, so that bends are even."""
-    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-    count = np.bincount(edges[:, 0], minlength=len(weights))[:, None]
-    for _ in range(HEAT_ROUNDS):
-        total = np.zeros_like(weights)
-        np.add.at(total, edges[:, 0], weights[edges[:, 1]])
-        weights = 0.5 * weights + 0.5 * total / count
-    return weights / weights.sum(axis=1, keepdims=True)
+def _spread(values: Floats, faces: NDArray[np.int32], rounds: int = HEAT_ROUNDS) -> Floats:
+    """Values (V, n) after a few steps of heat flow over the mesh, so that bends are even."""
+    for _ in range(rounds):
+        values = 0.5 * values + 0.5 * neighbour_mean(values, faces)
+    return values

@@ -1,12 +1,19 @@
 """One static camera that holds every pose of every clip of a group."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from stimuli.render.appearance import Appearance
 from stimuli.render.shapes import Floats
 
+THREE_QUARTER, FRONT = 35.0, 1.3
+VIEWS = (
+    (THREE_QUARTER, FRONT),
+    (-THREE_QUARTER, FRONT),
+    (180.0 - THREE_QUARTER, 1.0),
+    (THREE_QUARTER - 180.0, 1.0),
+)
 MILLIMETRE = 3  # decimals a camera's place is rounded to
 
 
@@ -50,6 +57,24 @@ def view_axes(yaw: float, elevation: float) -> Floats:
     return np.stack([right, np.cross(back, right), back], axis=-1)
 
 
+def choose_camera(points: Floats, heading: float, at: Floats, look: Appearance) -> Camera:
+    """A camera that holds all `points` (..., 3) with the figure at `at` (3,) as large as may be.
+
+    Of the three-quarter views, left and right, the front has `FRONT` times the say of the back.
+    """
+    if look.azimuth is not None:
+        return fit_camera(points, heading, look)
+
+    def size(camera: Camera, weight: float) -> float:
+        return weight / float(camera.project(at, look.width, look.height)[1])
+
+    views = [
+        (fit_camera(points, heading, replace(look, azimuth=azimuth)), weight)
+        for azimuth, weight in VIEWS
+    ]
+    return max(views, key=lambda view: size(*view))[0]
+
+
 def fit_camera(points: Floats, heading: float, look: Appearance) -> Camera:
     """The nearest camera at the look's angles from `heading` that holds all `points` (..., 3).
 
@@ -57,7 +82,8 @@ def fit_camera(points: Floats, heading: float, look: Appearance) -> Camera:
     horizontal angle: two linear bounds on (cx, cz), so that cz and the middle of cx follow at
     once; likewise for the vertical.
     """
-    yaw, elevation = heading + np.radians(look.azimuth), np.radians(look.elevation)
+    yaw = heading + np.radians(THREE_QUARTER if look.azimuth is None else look.azimuth)
+    elevation = np.radians(look.elevation)
     axes = view_axes(yaw, elevation)
     local = points.reshape(-1, 3) @ axes
     tangent = np.tan(np.radians(look.field_of_view) / 2) * (1 - 2 * look.margin)

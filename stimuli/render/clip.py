@@ -10,7 +10,7 @@ from stimuli.motion.quaternions import Array
 from stimuli.motion.skeleton import Motion
 from stimuli.render.appearance import Appearance
 from stimuli.render.bodies import Body, bone_motion, make_body
-from stimuli.render.camera import Camera, fit_camera
+from stimuli.render.camera import Camera, choose_camera
 from stimuli.render.rig import moved
 from stimuli.render.video import Frames, write_video
 
@@ -18,11 +18,15 @@ EVERY = 23  # one vertex in so many is enough to know how far a body reaches
 SKIN = 0.02  # metres, what the vertices between those may reach further
 
 
-def group_camera(body: Body, motions: Sequence[Motion], heading: float, look: Appearance) -> Camera:
-    """The camera that holds the body in every frame of every motion of a group."""
+def group_camera(body: Body, motions: Sequence[Motion], look: Appearance, at: int) -> Camera:
+    """The camera that holds the body in every frame of every motion of a group.
+
+    Its angles count from the heading of the first motion at frame `at`, the transition.
+    """
     reach = np.concatenate([outline(body, motion) for motion in motions])
     spread = np.concatenate([reach + SKIN * sign for sign in (-1.0, 1.0)])
-    return fit_camera(spread, heading, look)
+    facing = float(headings(motions[0][at : at + 1])[0])
+    return choose_camera(spread, facing, motions[0].root[at], look)
 
 
 def outline(body: Body, motion: Motion) -> Array:
@@ -47,7 +51,7 @@ def render_frames(
 
     body = body or make_body(motion, look.body)
     at = len(motion) // 2 if middle is None else middle
-    camera = camera or group_camera(body, [motion], float(headings(motion)[at]), look)
+    camera = camera or group_camera(body, [motion], look, at)
     with renderer(look) as drawing:
         drawing.show(body.skin, camera)
         yield from drawing.frames(bone_motion(body, motion))

@@ -10,10 +10,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from stimuli.render.mesh import neighbour_mean
 from stimuli.render.shapes import Floats, Part, bounds, distance, smooth_union
 
 CELL = 0.016
 ROUNDS = 4
+RELAXING = 0.6
 FAR = 0.12
 BETWEEN_LIMBS = 0.006
 
@@ -66,7 +68,7 @@ def closed_mesh(parts: Sequence[Part], cell: float = CELL) -> tuple[Floats, NDAr
     points = low + cell * cells
     faces = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]).astype(np.int32)
     for _ in range(ROUNDS):
-        points = _relaxed(points, quads)
+        points = points + RELAXING * (neighbour_mean(points, faces) - points)
         points = _projected(parts, points)
     return points, faces
 
@@ -124,17 +126,6 @@ def _quads(inside: NDArray[np.bool_], number: NDArray[np.intp]) -> NDArray[np.in
         )
         faces += [around[leaving], around[entering][:, ::-1]]
     return np.concatenate(faces)
-
-
-def _relaxed(points: Floats, quads: NDArray[np.intp], amount: float = 0.6) -> Floats:
-    """Each vertex moved towards the mean of its neighbours along quad edges."""
-    total, count = np.zeros_like(points), np.zeros(len(points))
-    for a, b in ((0, 1), (1, 2), (2, 3), (3, 0)):
-        for here, there in ((quads[:, a], quads[:, b]), (quads[:, b], quads[:, a])):
-            np.add.at(total, here, points[there])
-            np.add.at(count, here, 1)
-    mean = total / np.maximum(count, 1)[:, None]
-    return points + amount * (mean - points)
 
 
 def _projected(parts: Sequence[Part], points: Floats) -> Floats:

@@ -125,20 +125,24 @@ def _trunk_points(points: Mapping[str, Array], stature: float) -> dict:
     """Middle of the hips and top of the trunk (between the shoulders, not far below the neck)."""
     hips = (points["left_hip"] + points["right_hip"]) / 2
     shoulders = (points["left_shoulder"] + points["right_shoulder"]) / 2
-    neck = points["neck"]
+    neck = points["neck"] * [0.0, 1.0, 1.0]
     if neck[1] < shoulders[1] - 0.03 * stature:  # a stand-in far below
-        neck = shoulders + np.array([0.0, 0.02, -0.005]) * stature
-    top = np.array([0.0, max(shoulders[1], neck[1] - 0.05 * stature), neck[2]])
-    return {"hips": hips, "trunk_top": top, "neck": neck * [0.0, 1.0, 1.0]}
+        neck[2] = shoulders[2] - 0.005 * stature
+    # some skeletons have the neck's joint half way up the neck, or the shoulders low on the chest
+    neck[1] = np.clip(neck[1], shoulders[1] + 0.01 * stature, shoulders[1] + 0.06 * stature)
+    top = np.array([0.0, max(shoulders[1], neck[1] - 0.03 * stature), neck[2]])
+    return {"hips": hips, "trunk_top": top, "nape": neck}
 
 
 def _head(
     points: Mapping[str, Array], roles: Mapping[str, int], stature: float, sole: float
 ) -> dict:
     """Middle of the skull, where the stature puts it, within what a neck can be."""
-    neck = points["neck"]
-    rise = np.clip(0.940 * stature - (neck[1] - sole), 0.105 * stature, 0.140 * stature)
+    nape = points["nape"]
+    rise = np.clip(0.955 * stature - (nape[1] - sole), 0.115 * stature, 0.145 * stature)
     ahead = 0.018 * stature
-    if "head" in roles and points["head"][1] > neck[1]:
-        ahead = float(np.clip(points["head"][2] - neck[2] + 0.008 * stature, 0, 0.03 * stature))
-    return {"skull": neck + np.array([0.0, rise, ahead])}
+    if "head" in roles and points["head"][1] > nape[1]:
+        above = points["head"] - nape
+        rise = np.clip(rise, above[1] + 0.025 * stature, above[1] + 0.100 * stature)
+        ahead = float(np.clip(above[2] + 0.008 * stature, 0, 0.03 * stature))
+    return {"skull": nape + np.array([0.0, rise, ahead])}

@@ -48,13 +48,3 @@ def _tube(rows: int) -> NDArray[np.int32]:
         [np.stack([here, right, across], axis=-1), np.stack([here, across, above], axis=-1)]
     )
     return faces.astype(np.int32)
-
-
-def vertex_normals(points: Floats, faces: NDArray[np.integer]) -> Floats:
-    """(V, 3) unit normals: the area-weighted mean of the faces around each vertex."""
-    a, b, c = (points[faces[:, k]] for k in range(3))
-    across = np.cross(b - a, c - a)
-    normals = np.zeros_like(points)
-    for k in range(3):
-        np.add.at(normals, faces[:, k], across)
-    return normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)

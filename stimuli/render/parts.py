@@ -12,12 +12,12 @@ from stimuli.render.shapes import DENSE, Part, profile
 
 LEFT, UP, AHEAD = np.eye(3)
 
-TORSO_WIDTHS = (0.080, 0.089, 0.089, 0.085, 0.087, 0.092, 0.093, 0.080, 0.045)
-TORSO_DEPTHS = (0.056, 0.064, 0.062, 0.059, 0.061, 0.064, 0.061, 0.050, 0.034)
-THIGH = (0.0505, 0.0515, 0.044, 0.0335, 0.030)
+TORSO_WIDTHS = (0.082, 0.089, 0.087, 0.083, 0.086, 0.092, 0.096, 0.094, 0.080)
+TORSO_DEPTHS = (0.058, 0.063, 0.060, 0.058, 0.061, 0.064, 0.063, 0.058, 0.052)
+THIGH = (0.0505, 0.0515, 0.044, 0.0335, 0.0295)
 SHANK = (0.0295, 0.030, 0.0325, 0.0255, 0.019)
 UPPER_ARM = (0.029, 0.030, 0.0265, 0.0215, 0.0205)
-FOREARM = (0.0205, 0.023, 0.0205, 0.0165, 0.016)
+FOREARM = (0.0205, 0.0225, 0.0205, 0.0165, 0.0150)
 
 
 def body_parts(marks: Landmarks) -> tuple[Part, ...]:
@@ -70,18 +70,18 @@ def _trunk(marks: Landmarks) -> list[Part]:
     parts = [
         _part(
             marks, "torso", (at["hips"], at["trunk_top"]), TORSO_WIDTHS, trunk_bones(marks),
-            depths=TORSO_DEPTHS, shift=(0.006, 0.004, -0.002, -0.004, -0.002, 0, 0.002, 0.002, 0),
-            caps=(0.045, 0.02), limb="trunk", blend=0.042,
+            depths=TORSO_DEPTHS, shift=(0.002, 0, -0.003, -0.004, -0.002, 0, 0.002, 0.001, 0),
+            caps=(0.070, 0.036), limb="trunk", blend=0.042,
         )
     ]  # fmt: skip
     for side, sign in SIDES:
-        root = at["neck"] + np.array([sign * 0.012, 0.030, -0.008]) * size
-        tip = at[f"{side}_shoulder"] + np.array([-sign * 0.012, 0.006, 0.0]) * size
+        root = at["nape"] + np.array([sign * 0.014, 0.020, -0.006]) * size
+        tip = at[f"{side}_shoulder"] + np.array([-sign * 0.016, 0.003, 0.0]) * size
         bones = ((0.2, chest), (0.8, f"{side}_clavicle"))
         parts.append(
             _part(
-                marks, f"{side}_trapezius", (root, tip), (0.018, 0.021, 0.023, 0.024), bones,
-                side=AHEAD, limb="trunk", blend=0.042,
+                marks, f"{side}_trapezius", (root, tip), (0.028, 0.028, 0.028, 0.028), bones,
+                side=AHEAD, limb="trunk", blend=0.050, depths=(0.018, 0.020, 0.023, 0.025),
             )
         )  # fmt: skip
     return parts
@@ -95,25 +95,23 @@ def _head(marks: Landmarks) -> list[Part]:
     def near(*offset: float) -> Array:
         return np.asarray(skull + np.array(offset) * size)
 
-    neck = (marks.points["neck"] - [0, 0.03 * size, 0], near(0, -0.045, -0.012))
+    neck = (marks.points["nape"] - np.array([0, 0.03, 0.006]) * size, near(0, -0.038, -0.020))
     return [
         _part(
-            marks, "neck", neck, (0.036, 0.033, 0.032, 0.033),
+            marks, "neck", neck, (0.036, 0.0315, 0.0305, 0.031),
             ((0.0, chest), (0.4, "neck"), (0.95, "head")), limb="trunk", blend=0.022,
         ),
         _part(
-            marks, "cranium", (near(0, -0.012, 0), near(0, 0.014, -0.002)),
-            (0.0425, 0.0435, 0.0425), head,
-            depths=(0.0515, 0.0535, 0.052), caps=(0.040, 0.041), limb="trunk", blend=0.016,
+            marks, "cranium", (near(0, -0.001, -0.001), near(0, 0.001, -0.001)), (0.0435,), head,
+            depths=(0.0535,), caps=(0.052, 0.053), limb="trunk", blend=0.022,
         ),
         _part(
-            marks, "face", (near(0, -0.010, 0.017), near(0, -0.062, 0.026)),
-            (0.036, 0.034, 0.029, 0.017), head, depths=(0.034, 0.033, 0.027, 0.018),
-            caps=(0.02, 0.012), limb="trunk", blend=0.016,
+            marks, "face", (near(0, -0.030, 0.0170), near(0, -0.034, 0.0190)), (0.0325,), head,
+            depths=(0.0345,), caps=(0.044, 0.043), limb="trunk", blend=0.016,
         ),
         _part(
-            marks, "nose", (near(0, -0.004, 0.049), near(0, -0.027, 0.0575)),
-            (0.0045, 0.006, 0.0075), head, limb="trunk", blend=0.012,
+            marks, "nose", (near(0, -0.004, 0.0475), near(0, -0.027, 0.0570)),
+            (0.0045, 0.0055, 0.0072), head, limb="trunk", blend=0.014,
         ),
     ]  # fmt: skip
 
@@ -136,7 +134,7 @@ def _arm(marks: Landmarks, side: str, sign: float) -> list[Part]:
         _part(
             marks, f"{side}_forearm", (elbow, wrist), FOREARM,
             ((0.3, f"{side}_elbow"), (0.9, f"{side}_elbow_twist")),
-            side=AHEAD, limb=limb, blend=0.010,
+            side=AHEAD, limb=limb, blend=0.003,
             depths=(0.0205, 0.0225, 0.0190, 0.0145, 0.0130),
         ),
         _part(
@@ -171,7 +169,7 @@ def _leg(marks: Landmarks, side: str) -> list[Part]:
         ),
         _part(
             marks, f"{side}_shank", (knee, ankle), SHANK, ((0.0, f"{side}_knee"),),
-            shift=(0.0, 0.007, 0.008, 0.003, 0.0), limb=limb, blend=0.012,
+            shift=(0.0, 0.007, 0.008, 0.003, 0.0), limb=limb, blend=0.003,
         ),
         _part(
             marks, f"{side}_heel", (foot(-0.012, 0.020), foot(0.020, 0.026)), (0.0185, 0.021),
@@ -180,12 +178,12 @@ def _leg(marks: Landmarks, side: str) -> list[Part]:
         ),
         _part(
             marks, f"{side}_foot", (foot(0.015, 0.024), foot(0.074, 0.013)),
-            (0.0205, 0.0235, 0.0265), carried, depths=(0.0235, 0.0190, 0.0150), side=across,
+            (0.0205, 0.0230, 0.0250), carried, depths=(0.0235, 0.0190, 0.0140), side=across,
             limb=limb, blend=0.018, floor=sole,
         ),
         _part(
-            marks, f"{side}_toes", (foot(0.070, 0.011), foot(0.100, 0.009)),
-            (0.0265, 0.0255, 0.0215), toes, depths=(0.0150, 0.0125, 0.0100), side=across,
-            caps=(0.015, 0.014), limb=limb, blend=0.012, floor=sole,
+            marks, f"{side}_toes", (foot(0.066, 0.0105), foot(0.098, 0.0095)),
+            (0.0250, 0.0250, 0.0210), toes, depths=(0.0130, 0.0120, 0.0105), side=across,
+            caps=(0.015, 0.015), limb=limb, blend=0.014, floor=sole,
         ),
     ]  # fmt: skip

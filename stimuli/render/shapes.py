@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.floating]
-DENSE = 33
+DENSE = 129
+SOLE_EDGE = 0.010  # metres, how far the edge of a cut is rounded
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,11 +47,15 @@ class Part:
 
 
 def profile(values: tuple[float, ...], scale: float = 1.0) -> Floats:
-    """(DENSE,) a smooth curve through evenly spaced `values` (Catmull-Rom)."""
+    """(DENSE,) a smooth curve through evenly spaced `values` (Catmull-Rom).
+
+    It is flat at both ends, where a rounded end goes on from it: any slope there would be a crease.
+    """
     knots = np.asarray(values, dtype=float) * scale
     if len(knots) == 1:
         return np.full(DENSE, knots[0])
     slopes = np.gradient(knots)
+    slopes[[0, -1]] = 0.0
     place = np.linspace(0, len(knots) - 1, DENSE)
     left = np.minimum(place.astype(int), len(knots) - 2)
     s = place - left
@@ -92,7 +97,9 @@ def distance(part: Part, points: Floats) -> Floats:
     k1 = np.sqrt((x / width) ** 2 + (y / cap) ** 2 + (z / depth) ** 2)
     thin = np.minimum(width, depth)
     gap = (k0 - 1.0) * np.where(k1 > 1e-9, k0 / np.maximum(k1, 1e-9), thin)
-    return gap if part.floor is None else np.maximum(gap, part.floor - points[..., 1])
+    return (
+        gap if part.floor is None else -smooth_union(-gap, points[..., 1] - part.floor, SOLE_EDGE)
+    )
 
 
 def bounds(part: Part) -> tuple[Floats, Floats]:
