@@ -44,6 +44,7 @@ $(READY): pyproject.toml constraints.txt
 		echo "Segue needs Python 3.11 or 3.12 with its venv module (apt-get install python3-venv)"; \
 		exit 1; fi; \
 	"$$python" -m venv $(VENV)
+	$(PYTHON) -m pip install --quiet --constraint constraints.txt --upgrade pip
 	$(PYTHON) -m pip install --quiet --constraint constraints.txt --editable '.[test]'
 	@touch $@
 
