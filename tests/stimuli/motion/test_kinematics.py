@@ -1,0 +1,88 @@
+"""Forward kinematics against homogeneous matrices; headings of known poses."""
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from stimuli.motion import end_positions, forward, heading, load
+from stimuli.motion import quaternions as quat
+from stimuli.motion.kinematics import headings, joint_positions, placed
+
+
+def by_matrices(motion, frame):
+    """Joint and end positions of a frame, by 4 × 4 matrices down the chain."""
+    skeleton, world = motion.skeleton, []
+    for joint, parent in enumerate(skeleton.parents):
+        local = np.eye(4)
+        quaternion = motion.rotations[frame, joint]
+        local[:3, :3] = Rotation.from_quat(quaternion, scalar_first=True).as_matrix()
+        local[:3, 3] = motion.root[frame] if parent < 0 else skeleton.offsets[joint]
+        world.append(local if parent < 0 else world[parent] @ local)
+    ends = [
+        (world[parent] @ [*offset, 1.0])[:3]
+        for parent, offset in zip(skeleton.end_parents, skeleton.end_offsets, strict=True)
+    ]
+    return np.array([matrix[:3, 3] for matrix in world]), np.array(ends)
+
+
+def assert_forward_agrees(motion, frames):
+    positions, orientations = forward(motion.skeleton, motion.rotations, motion.root)
+    ends = end_positions(motion.skeleton, positions, orientations)
+    for frame in frames:
+        joints, tips = by_matrices(motion, frame)
+        assert np.allclose(positions[frame], joints, atol=1e-12)
+        assert np.allclose(ends[frame], tips, atol=1e-12)
+
+
+def test_forward_kinematics_is_the_product_of_matrices(bodies):
+    assert_forward_agrees(bodies.wandering(5, 0), range(5))
+
+
+def test_forward_kinematics_of_captured_motions(motions):
+    for name in ("cmu_bvh/05_13.bvh", "other_bvh/rokoko_jesse_dance.bvh"):
+        assert_forward_agrees(load(motions / name).motion, (0, 50, 100))
+
+
+def test_forward_broadcasts_over_leading_axes(bodies):
+    motion = bodies.wandering(6, 1)
+    whole, _ = forward(motion.skeleton, motion.rotations, motion.root)
+    split, _ = forward(
+        motion.skeleton, motion.rotations.reshape(2, 3, -1, 4), motion.root.reshape(2, 3, 3)
+    )
+    one, _ = forward(motion.skeleton, motion.rotations[4], motion.root[4])
+    assert np.array_equal(split.reshape(whole.shape), whole)
+    assert np.array_equal(one, whole[4])
+
+
+def test_one_joint_by_its_chain(bodies):
+    motion = bodies.wandering(4, 2)
+    positions, _ = forward(motion.skeleton, motion.rotations, motion.root)
+    for joint in range(len(motion.skeleton)):
+        alone = joint_positions(motion.skeleton, motion.rotations, motion.root, joint)
+        assert np.allclose(alone, positions[:, joint], atol=1e-14)
+
+
+def test_a_character_that_faces_z_has_its_left_side_at_x(bodies):
+    motion = bodies.standing()
+    positions, _ = forward(motion.skeleton, motion.rotations, motion.root)
+    left, right = motion.skeleton.role("left_hip", "right_hip")
+    assert positions[0, left, 0] > positions[0, right, 0]
+    assert np.isclose(headings(motion)[0], 0.0, atol=1e-12)
+
+
+def test_heading_follows_a_turn_and_placing_moves_all_joints_rigidly(bodies):
+    motion = bodies.wandering(8, 3)
+    turned = placed(motion, 0.6, np.array([1.0, 0.0, -2.0]))
+    change = np.angle(np.exp(1j * (headings(turned) - headings(motion))))
+    assert np.allclose(change, 0.6, atol=1e-12)
+    before, _ = forward(motion.skeleton, motion.rotations, motion.root)
+    after, _ = forward(turned.skeleton, turned.rotations, turned.root)
+    expected = quat.rotate(quat.about("Y", 0.6), before) + np.array([1.0, 0.0, -2.0])
+    assert np.allclose(after, expected, atol=1e-12)
+
+
+def test_heading_is_that_of_the_walk(motions):
+    motion = load(motions / "cmu_bvh" / "35_01.bvh").motion
+    step = motion.root[-1] - motion.root[0]
+    yaw = heading(motion.skeleton, motion.rotations[45], motion.root[45])
+    facing = np.array([np.sin(yaw), np.cos(yaw)])
+    assert facing @ step[[0, 2]] / np.linalg.norm(step[[0, 2]]) > 0.95
