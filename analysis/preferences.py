@@ -69,6 +69,22 @@ class Contest:
     def count(self) -> Preference:
         return preference(int(self.choices["chose_a"].sum()), len(self.choices))
 
+    @property
+    def first_chosen(self) -> Preference:
+        """How often the clip shown first (or left) was chosen: the bias of place."""
+        same = self.choices["chose_a"] == self.choices["a_first"]
+        return preference(int(same.sum()), len(same))
+
+    @property
+    def by_place(self) -> dict[str, Preference]:
+        """Choices of a when it came first, and when it came second."""
+        parts = {"first": 1, "second": 0}
+        return {
+            name: preference(int(part["chose_a"].sum()), len(part))
+            for name, value in parts.items()
+            for part in [self.choices[self.choices["a_first"] == value]]
+        }
+
     def per_motion(self) -> list[tuple[str, Preference]]:
         return [
             (str(motion), preference(int(part["chose_a"].sum()), len(part)))

@@ -58,6 +58,7 @@ class Study:
     participants: pd.DataFrame = field(default_factory=pd.DataFrame)
     rehearsal: bool = False
     set_aside: tuple[Session, ...] = ()
+    stimuli: dict[str, dict[str, Any]] = field(default_factory=dict)  # manifest entries by hash
 
     @property
     def trials(self) -> pd.DataFrame:
@@ -83,6 +84,7 @@ def read(paths: list[Path]) -> tuple[list[Study], list[str]]:
     sessions: list[Session] = []
     notes: list[str] = []
     people: list[pd.DataFrame] = []
+    stimuli: dict[str, dict[str, Any]] = {}
     for path in paths:
         if not path.exists():
             raise InputError(f"{path}: expected a data set or a table, found nothing there")
@@ -93,6 +95,7 @@ def read(paths: list[Path]) -> tuple[list[Study], list[str]]:
             else:
                 sessions.append(found)
         people.append(_participants(path))
+        stimuli |= _stimuli(path)
     if not sessions:
         more = "\n" + notes[0] if notes else ""
         raise InputError(
@@ -100,9 +103,9 @@ def read(paths: list[Path]) -> tuple[list[Study], list[str]]:
             f"sub-*/beh/*_beh.tsv, found none that can be read{more}"
         )
     register = pd.concat(people, ignore_index=True)
+    studies = _studies(_told_apart(sessions))
     return [
-        replace(study, participants=_present(register, study))
-        for study in _studies(_told_apart(sessions))
+        replace(study, participants=_present(register, study), stimuli=stimuli) for study in studies
     ], notes
 
 
@@ -201,11 +204,21 @@ def _participants(path: Path) -> pd.DataFrame:
     return table.reset_index(drop=True)
 
 
+def _stimuli(path: Path) -> dict[str, dict[str, Any]]:
+    """The manifest entries of the clips shown, copied beside the record, by hash."""
+    found = {}
+    for file in sorted((path / "stimuli").glob("*.json")) if path.is_dir() else []:
+        entry, faults = _sidecar(file)
+        if not faults:
+            found[file.stem] = entry
+    return found
+
+
 def _present(register: pd.DataFrame, study: Study) -> pd.DataFrame:
     if "participant_id" not in register:
         return pd.DataFrame()
     ids = register["participant_id"].astype(str).str.removeprefix("sub-")
-    return register[ids.isin({session.participant for session in study.sessions})]
+    return register[ids.isin({s.participant.partition("@")[0] for s in study.sessions})]
 
 
 def _told_apart(sessions: list[Session]) -> list[Session]:

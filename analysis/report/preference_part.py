@@ -3,33 +3,55 @@
 from dataclasses import asdict
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
+from analysis.bradley_terry import scale
+from analysis.mixed import Mixed, mixed
 from analysis.preferences import ALL, Contest, Preference, contests
 from analysis.report.context import Context
 from analysis.report.draw import GRID, INK, LONGER, PALE, canvas, quiet_y, shorten
 from analysis.report.parts import Figure, Findings, Section, Table
+from analysis.report.scale_part import scale_section
 from analysis.report.words import interval, number, p_value, sentence_case, share
 
 
 def report_preference(context: Context) -> Findings:
-    """χ², exact test and interval for every pair of methods, by category and by motion."""
+    """Tests of every pair of methods, by category and motion; a scale of three or more."""
     methods = tuple(str(m) for m in context.protocol.get("methods") or ())
     found = contests(context.screened.main, methods)
-    sections = tuple(_section(context, contest) for contest in found)
-    return Findings(sections, {"comparisons": [comparison(contest) for contest in found]})
+    modelled = [(contest, model(contest)) for contest in found]
+    sections = [_section(context, contest, fit) for contest, fit in modelled]
+    document: dict[str, Any] = {"comparisons": [comparison(*entry) for entry in modelled]}
+    named = sorted({name for contest in found for name in (contest.a, contest.b)})
+    if len(named) > 2:
+        strengths = scale(context.screened.main, tuple(named), np.random.default_rng(context.seed))
+        sections.append(scale_section(context, strengths))
+        document["scale"] = None if strengths is None else [asdict(s) for s in strengths]
+    return Findings(tuple(sections), document)
 
 
-def comparison(contest: Contest) -> dict[str, Any]:
+def model(contest: Contest) -> Mixed:
+    """The mixed model of a contest."""
+    table = contest.choices
+    return mixed(
+        table["participant"].to_numpy(), table["motion"].to_numpy(), table["chose_a"].to_numpy()
+    )
+
+
+def comparison(contest: Contest, fit: Mixed) -> dict[str, Any]:
     """The comparison of report.json."""
     return {
         "a": contest.a,
         "b": contest.b,
         "category": contest.category,
         **asdict(contest.count),
+        "mixed_model": asdict(fit),
         "per_motion": [
             {"motion": motion, **asdict(count)} for motion, count in contest.per_motion()
         ],
+        "first_chosen": asdict(contest.first_chosen),
+        "by_place": {name: asdict(count) for name, count in contest.by_place.items()},
     }
 
 
@@ -50,17 +72,58 @@ def sentence(contest: Contest, alpha: float) -> str:
     )
 
 
+def mixed_sentence(contest: Contest, fit: Mixed, alpha: float) -> str:
+    """What the model that respects repeated measures says, and whether it agrees."""
+    if fit.estimate is None:
+        return f"The mixed model gives no estimate ({fit.method.partition(': ')[2]})."
+    odds = number(float(np.exp(np.clip(fit.estimate, -20, 20))))
+    told = (
+        f"With people and motions as random effects the log odds of choosing {contest.a} are "
+        f"{number(fit.estimate)}, {interval(fit.low, fit.high)}, {p_value(fit.p)} "
+        f"(odds {odds}; {fit.method})."
+    )
+    pooled = contest.count.p is not None and contest.count.p < alpha
+    own = fit.p is not None and fit.p < alpha
+    if pooled == own:
+        return told
+    return told + (
+        " The two tests disagree: the pooled test finds a preference, but it takes the answers of "
+        "one person as independent; trust the mixed model."
+        if pooled
+        else " The two tests disagree: the mixed model finds a preference where the pooled test, "
+        "which averages over people and motions, does not."
+    )
+
+
+def bias_sentence(contest: Contest, alpha: float) -> str:
+    """Whether the clip shown first was favoured."""
+    count = contest.first_chosen
+    biased = count.p is not None and count.p < alpha
+    places = contest.by_place
+    return (
+        f"The clip shown first was chosen in {number(count.percent, 1)}% of answers, "
+        f"{interval(count.low, count.high, 1)}, χ²(1, N = {count.n}) = {number(count.chi2)}, "
+        f"{p_value(count.p)}: {'a' if biased else 'no significant'} bias of place. "
+        f"{sentence_case(contest.a)} was chosen in {number(places['first'].percent, 1)}% of the "
+        f"{places['first'].n} trials that showed it first and in "
+        f"{number(places['second'].percent, 1)}% of the {places['second'].n} that showed it second."
+    )
+
+
 def _title(contest: Contest) -> str:
     title = f"{sentence_case(contest.a)} against {contest.b}"
     return title if contest.category == ALL else f"{title}: {contest.category}"
 
 
-def _section(context: Context, contest: Contest) -> Section:
+def _section(context: Context, contest: Contest, fit: Mixed) -> Section:
     stem = f"{context.stem}-{contest.a}-{contest.b}-{contest.category}"
     rows = [("all motions", contest.count), *contest.per_motion()]
+    findings = [sentence(contest, context.alpha), mixed_sentence(contest, fit, context.alpha)]
+    if contest.category == ALL:
+        findings.append(bias_sentence(contest, context.alpha))
     return Section(
         _title(contest),
-        findings=(sentence(contest, context.alpha),),
+        findings=tuple(findings),
         figures=(_figure(stem, contest, rows),),
         tables=(_table(stem, contest, rows),),
     )

@@ -10,9 +10,11 @@ import numpy as np
 from analysis.files import write_atomic
 from analysis.record import Study, read
 from analysis.report.context import Context, Report
+from analysis.report.natural_part import report_natural
 from analysis.report.parts import Findings, Section
 from analysis.report.preference_part import report_preference
 from analysis.report.provenance import provenance, provenance_section
+from analysis.report.rating_part import report_rating
 from analysis.report.study_parts import exclusion_section, people_section, timing_section
 from analysis.report.threshold_part import report_odd_pair
 from analysis.report.words import count
@@ -21,6 +23,8 @@ from analysis.screening import screen
 TASKS: dict[str, Report] = {
     "odd-pair": report_odd_pair,
     "preference": report_preference,
+    "rating": report_rating,
+    "natural": report_natural,
 }
 
 
