@@ -82,7 +82,7 @@ def advance(progress: Progress, trial: Trial, card: Card, outcome: Outcome) -> P
     return replace(after, source=after.source.answered(card, right), answered=after.answered + 1)
 
 
-def pause_due(progress: Progress, trial: Trial) -> bool:
-    """Whether a break comes after this trial."""
-    every = progress.plan.protocol.file.trials.break_every
-    return bool(every and trial.phase == "main" and progress.answered % every == 0)
+def pause_due(before: Progress, after: Progress) -> bool:
+    """Whether a break comes after the trial that led from `before` to `after`."""
+    every = after.plan.protocol.file.trials.break_every
+    return bool(every and after.answered > before.answered and after.answered % every == 0)

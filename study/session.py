@@ -1,10 +1,11 @@
 """One session: show, ask, record, advance, until the plan has no more trials."""
 
+import warnings
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from stimuli.errors import InputError
+from stimuli.errors import InputError, InputWarning
 from study.observers import Simulated
 from study.plan import Plan
 from study.progress import Progress, advance, begin, may_void, next_trial, pause_due
@@ -14,6 +15,10 @@ from study.tasks import Screens, Task
 from study.tracks import Tracks
 from study.trial import ClipKey, Outcome, Trial
 
+TOO_SLOW = (
+    "this machine is too slow: trials are shown late, and no more of them are asked again; "
+    "close other programs, or render smaller clips"
+)
 CORRECT, WRONG = "right", "not this time"
 Hash = Callable[[ClipKey], str | None]
 
@@ -76,13 +81,14 @@ def run(
     stage.tell(settings.welcome)
     since_first = _since_first_flip(stage, record)
     while (step := _trial(progress, stage, settings, observer, since_first)) is not None:
+        before = progress
         trial, outcome, progress = step
         record.append(row_of(task, trial, outcome, clip_hash))
         _warn_when_slow(record, trial, outcome, settings)
         if trial.phase == "practice" and settings.feedback and task.catch:
             right = task.correct(trial.content, outcome.response)
             stage.flash(CORRECT if right else WRONG)
-        if pause_due(progress, trial) and next_trial(progress) is not None:
+        if pause_due(before, progress) and next_trial(progress) is not None:
             stage.tell(settings.pause)
     record.save_sidecar(Finished=True, **track_summary(progress))
     stage.tell(settings.thanks)
@@ -141,10 +147,11 @@ def _since_first_flip(stage: Stage, record: Record) -> float:
 
 
 def _warn_when_slow(record: Record, trial: Trial, outcome: Outcome, settings: Settings) -> None:
-    """Say once, in the sidecar, that late trials are no longer asked again."""
+    """Say once, aloud and in the sidecar, that late trials are no longer asked again."""
     late = outcome.late_frames > settings.late_frames_allowed and trial.phase == "main"
     if late and not outcome.void and not record.sidecar.get("TooSlow"):
         record.save_sidecar(TooSlow=True)
+        warnings.warn(TOO_SLOW, InputWarning, stacklevel=2)
 
 
 def row_of(task: Task, trial: Trial, outcome: Outcome, clip_hash: Hash) -> dict[str, Any]:

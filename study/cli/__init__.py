@@ -5,6 +5,7 @@ import importlib
 import importlib.util
 import os
 import sys
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -33,6 +34,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 2
     named = next((word for word in arguments if not word.startswith("-")), None)
     args = _parser(named).parse_args(arguments)
+    warnings.showwarning = _say_warning
     try:
         return int(args.run(args))
     except KeyboardInterrupt:
@@ -46,6 +48,11 @@ def main(argv: Sequence[str] | None = None) -> int:
             raise
         print(f"segue {named}: {_message(error)}", file=sys.stderr)
         return 2 if _is_input_fault(error) else 1
+
+
+def _say_warning(message: Warning | str, *_: object, **__: object) -> None:
+    """A warning as a line for people, without the place in the code that raised it."""
+    print(f"segue: warning: {message}", file=sys.stderr)
 
 
 def _parser(named: str | None) -> argparse.ArgumentParser:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stimuli.errors import InputError
+from stimuli.errors import InputError, InputWarning
 from study.deck import Card
 from study.observers import simulated
 from study.plan import Plan, make_plan
@@ -146,13 +146,9 @@ def test_void_trials_keep_their_row_and_are_asked_again(tmp_path: Path) -> None:
 def test_a_machine_that_is_too_slow_is_said_and_the_session_ends(tmp_path: Path) -> None:
     plan = jnd_plan(12)
     record = new_record(tmp_path, plan)
-    run(
-        plan,
-        Faulty(6.0, 0.5, late=dict.fromkeys(range(10_000), 9)),
-        record,
-        simulated(plan),
-        nobody,
-    )
+    stage = Faulty(6.0, 0.5, late=dict.fromkeys(range(10_000), 9))
+    with pytest.warns(InputWarning, match="too slow"):
+        run(plan, stage, record, simulated(plan), nobody)
     table = record.rows()
     assert record.sidecar["TooSlow"]
     assert record.sidecar["Finished"]
@@ -160,6 +156,17 @@ def test_a_machine_that_is_too_slow_is_said_and_the_session_ends(tmp_path: Path)
     assert 0 < voids <= max(2, 0.1 * len(table) + 1)
     repeats = Counter(row["repeat_of"] for row in table if row["repeat_of"] != "n/a")
     assert max(repeats.values()) <= 2
+
+
+def test_breaks_come_after_their_number_of_answers(tmp_path: Path) -> None:
+    protocol = parse(PREFERENCE.replace("repeats = 4", "repeats = 4\nbreak_every = 10"))
+    plan = make_plan(protocol, {}, 5)
+    told = []
+    stage = Faulty(6.0, 0.5, late={1: 9})
+    stage.tell = lambda text: told.append((stage.shown, text))  # type: ignore[method-assign]
+    run(plan, stage, new_record(tmp_path, plan), simulated(plan), nobody)
+    breaks = [shown for shown, text in told if "break" in text]
+    assert breaks == [11, 21]
 
 
 @pytest.mark.parametrize("leave", [1, 4, 30])
