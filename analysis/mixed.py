@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import minimize
-from scipy.special import expit, log1p
+from scipy.special import expit, log1p, stdtr, stdtrit
 
 from analysis.psychometric.functions import Array
 
