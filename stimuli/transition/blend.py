@@ -13,17 +13,16 @@ def smoothstep(weights: Array) -> Array:
     return weights * weights * (3.0 - 2.0 * weights)
 
 
-def mixed_frames(a: Motion, b: Motion, window: Window, weights: Array) -> tuple[Array, Array]:
+def mixed(
+    rotations_a: Array, root_a: Array, rotations_b: Array, root_b: Array, weights: Array
+) -> tuple[Array, Array]:
     """Rotations (N, J, 4) by slerp on the shorter arc and root (N, 3) by linear interpolation.
 
     `weights` (N,) of B for all joints, or (N, J) for each, the root's being the first.
     """
-    from_a = slice(window.first, window.last + 1)
-    from_b = slice(window.first + window.lag, window.last + window.lag + 1)
     each = weights if weights.ndim == 2 else weights[:, None]
-    rotations = quat.slerp(a.rotations[from_a], b.rotations[from_b], each)
     part = each[:, :1]
-    return rotations, (1.0 - part) * a.root[from_a] + part * b.root[from_b]
+    return quat.slerp(rotations_a, rotations_b, each), (1.0 - part) * root_a + part * root_b
 
 
 def spliced(a: Motion, b: Motion, first: int, after: int, rotations: Array, root: Array) -> Motion:
@@ -36,5 +35,14 @@ def spliced(a: Motion, b: Motion, first: int, after: int, rotations: Array, root
 def blend_linear(a: Motion, b: Motion, window: Window, smooth: bool) -> Motion:
     """A[..], the window's frames mixed by its weights, B[..]; `b` is aligned already."""
     weights = smoothstep(window.weights) if smooth else window.weights
-    rotations, root = mixed_frames(a, b, window, weights)
+    return blend_weighted(a, b, window, weights)
+
+
+def blend_weighted(a: Motion, b: Motion, window: Window, weights: Array) -> Motion:
+    """The same with weights of B given, (N,) or for each joint (N, J)."""
+    from_a = slice(window.first, window.last + 1)
+    from_b = slice(window.first + window.lag, window.last + window.lag + 1)
+    rotations, root = mixed(
+        a.rotations[from_a], a.root[from_a], b.rotations[from_b], b.root[from_b], weights
+    )
     return spliced(a, b, window.first, window.last + window.lag + 1, rotations, root)

@@ -17,6 +17,13 @@ from stimuli.transition.length import (
     length_geodesic,
     length_none,
 )
+from stimuli.transition.schedule import join_per_joint, length_per_joint
+from stimuli.transition.switch import (
+    decay_quintic,
+    decay_spring,
+    join_dead,
+    join_inertialized,
+)
 from stimuli.transition.timewarp import join_timewarp, length_timewarp
 from stimuli.transition.velocity import length_velocity, length_velocity_speed
 from stimuli.transition.window import check_frames, specified
@@ -56,6 +63,10 @@ METHODS: Mapping[str, Method] = MappingProxyType(
         "velocity": Method(length_velocity, join_linear),
         "velocity-speed": Method(length_velocity_speed, join_linear),
         "timewarp": Method(length_timewarp, join_timewarp),
+        "per-joint": Method(length_per_joint, join_per_joint),
+        "inertialization": Method(length_geodesic, join_inertialized(decay_quintic)),
+        "inertialization-spring": Method(length_geodesic, join_inertialized(decay_spring)),
+        "dead-blending": Method(length_geodesic, join_dead),
     }
 )
 
