@@ -14,7 +14,8 @@ VIEWS = (
     (180.0 - THREE_QUARTER, 1.0),
     (THREE_QUARTER - 180.0, 1.0),
 )
-MILLIMETRE = 3  # decimals a camera's place is rounded to
+DECIMALS = 4  # of a metre, that a camera's place is rounded to
+NEAREST = 0.3  # metres between the camera and the nearest point
 
 
 @dataclass(frozen=True)
@@ -93,8 +94,9 @@ def fit_camera(points: Floats, heading: float, look: Appearance) -> Camera:
         lower = np.max(-local[:, axis] + slope * local[:, 2])
         centres.append((upper - lower) / 2)
         backs.append((upper + lower) / 2 / slope)
-    place = axes @ np.array([*centres, max(backs)])
-    x, y, z = (float(v) for v in np.round(place, MILLIMETRE))
+    back = max(*backs, float(local[:, 2].max()) + NEAREST)
+    place = axes @ np.array([*centres, back])
+    x, y, z = (float(v) for v in np.round(place, DECIMALS))
     turn = round(float(np.arctan2(np.sin(yaw), np.cos(yaw))), 4)
     return Camera(
         (x, y, z), turn, round(float(elevation), 4), float(np.radians(look.field_of_view))

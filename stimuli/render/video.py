@@ -87,7 +87,8 @@ def _ffv1(container: Any, picture: Frames, rate: Fraction) -> Any:
 def _h264(container: Any, picture: Frames, rate: Fraction) -> Any:
     """For looking at on any machine, visually lossless."""
     stream = container.add_stream("libx264", rate=rate, options={"crf": "16", "preset": "medium"})
-    return _sized(stream, picture, "yuv420p")
+    halves = picture.shape[0] % 2 == picture.shape[1] % 2 == 0
+    return _sized(stream, picture, "yuv420p" if halves else "yuv444p")
 
 
 def _sized(stream: Any, picture: Frames, pixels: str) -> Any:
