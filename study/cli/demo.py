@@ -12,7 +12,6 @@ from study.cli.common import add_motions_option, progress
 
 PROTOCOL, PREFERENCE = "jnd-center", "study-one"
 PEOPLE = 12
-PACE = 2.0
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -109,7 +108,7 @@ def _rehearse(
     command = [
         sys.executable, "-m", "study.cli", "run", PROTOCOL, "--rehearsal", "--windowed",
         "--participant", participant, "--observer", "simulated", "--data", str(data),
-        "--stimuli", str(stimuli), "--seed", str(seed), "--pace", str(PACE),
+        "--stimuli", str(stimuli), "--seed", str(seed),
     ]  # fmt: skip
     place: Any = nullcontext() if has_screen() else virtual_screen()
     with place:
