@@ -9,6 +9,7 @@ from stimuli.errors import InputError
 from stimuli.motion.skeleton import Motion
 from stimuli.transition.align import on_skeleton
 from stimuli.transition.distance import check_pair
+from stimuli.transition.footlock import lock_feet
 from stimuli.transition.join import Join, Joined, join_cut, join_linear
 from stimuli.transition.length import (
     Length,
@@ -26,7 +27,7 @@ from stimuli.transition.switch import (
 )
 from stimuli.transition.timewarp import join_timewarp, length_timewarp
 from stimuli.transition.velocity import length_velocity, length_velocity_speed
-from stimuli.transition.window import check_frames, specified
+from stimuli.transition.window import Window, check_frames, specified
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +46,7 @@ class Transition:
     frames: int
     mixed: tuple[int, int]
     report: Mapping[str, Any] = field(default_factory=dict)
+    sources: tuple[Motion, Motion] | None = None  # A and B as captured
 
 
 @dataclass(frozen=True)
@@ -99,8 +101,8 @@ def transition(
     """Join frame i of `a` with frame j of `b`, as a method and a specification have it.
 
     `frames` is a length to use instead of the method's own. `smooth` eases the weights by a
-    smoothstep. InputError for different hierarchies, unknown names, frames that do not exist and
-    windows that leave a motion.
+    smoothstep. `foot_lock` holds feet that stand. InputError for different hierarchies, unknown
+    names, frames that do not exist and windows that leave a motion.
     """
     check_pair(a, b)
     check_frames(a, b, i, j)
@@ -112,6 +114,8 @@ def transition(
         length = Length(frames, {"given": True})
     join = Join(a, on_skeleton(b, a.skeleton), i, j, specification, length, smooth)
     motion, mixed = way.blend(join)
+    if foot_lock and length.frames:
+        motion = lock_feet(motion, a, b, _mixing(join, motion, mixed))
     return Transition(
         motion,
         method,
@@ -121,7 +125,18 @@ def transition(
         length.frames,
         mixed,
         MappingProxyType(dict(length.report)),
+        (a, b),
     )
+
+
+def _mixing(join: Join, motion: Motion, mixed: tuple[int, int]) -> Window:
+    """The window of the frames mixed, whose lag is told by where B's frames end up."""
+    lag = len(join.b) - len(motion)
+    first, last = mixed
+    plain = join.window
+    if (first, lag) == (plain.first, plain.lag):
+        return plain
+    return Window(first, last, lag, first, 1 / (join.length.frames + 1), join.length.frames)
 
 
 def _method(name: str) -> Method:

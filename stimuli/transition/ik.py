@@ -1,0 +1,57 @@
+"""Two bones and a target, in closed form: how thigh and shank turn for the ankle to arrive."""
+
+import numpy as np
+
+from stimuli.motion import quaternions as quat
+from stimuli.motion.quaternions import Array
+
+STRETCH = 0.9995  # of a leg's whole length: as far as it is straightened
+
+
+def reach_out(
+    hip: Array, knee: Array, ankle: Array, target: Array, hinge: Array
+) -> tuple[Array, Array]:
+    """World rotations (N, 4) of the thigh and of the shank that bring the ankle to its target.
+
+    Positions (N, 3). The knee keeps its side: it bends about `hinge` (N, 3), the axis about which
+    it is bent already. A target out of reach is approached, limb lengths never change.
+    """
+    thigh, shank = knee - hip, ankle - knee
+    upper, lower = np.linalg.norm(thigh, axis=-1), np.linalg.norm(shank, axis=-1)
+    before = ankle - hip
+    now = np.linalg.norm(before, axis=-1)
+    longest = np.maximum(STRETCH * (upper + lower), now)
+    wanted = np.clip(np.linalg.norm(target - hip, axis=-1), np.abs(upper - lower), longest)
+    bend = _turn(hinge, _knee_angle(upper, lower, wanted) - _knee_angle(upper, lower, now))
+    bent = thigh + quat.rotate(bend, shank)
+    aim = between(bent, target - hip)
+    return aim, quat.multiply(aim, bend)
+
+
+def between(start: Array, end: Array) -> Array:
+    """The smallest rotation (N, 4) that turns directions `start` (N, 3) into those of `end`."""
+    dot = np.einsum("...i,...i->...", start, end)
+    size = np.linalg.norm(start, axis=-1) * np.linalg.norm(end, axis=-1)
+    return quat.normalise(
+        np.concatenate([(size + dot)[..., None], quat.cross(start, end)], axis=-1)
+    )
+
+
+def bend_axis(thigh: Array, shank: Array, usual: Array) -> Array:
+    """Unit axis (N, 3) about which the shank bends from the thigh; near straight, the usual one."""
+    axis = quat.cross(thigh, shank)
+    size = np.linalg.norm(thigh, axis=-1) * np.linalg.norm(shank, axis=-1)
+    trusted = np.clip((np.linalg.norm(axis, axis=-1) / size - 0.02) / 0.1, 0.0, 1.0)[..., None]
+    length = np.maximum(np.linalg.norm(axis, axis=-1, keepdims=True), 1e-12)
+    mixed = trusted * axis / length + (1 - trusted) * usual
+    return np.asarray(mixed / np.maximum(np.linalg.norm(mixed, axis=-1, keepdims=True), 1e-12))
+
+
+def _knee_angle(upper: Array, lower: Array, distance: Array) -> Array:
+    """Angle (N,) from the thigh's direction to the shank's when hip and ankle are so far apart."""
+    cosine = (distance**2 - upper**2 - lower**2) / (2 * upper * lower)
+    return np.asarray(np.arccos(np.clip(cosine, -1.0, 1.0)))
+
+
+def _turn(axis: Array, angle: Array) -> Array:
+    return quat.exp(0.5 * angle[..., None] * axis)
