@@ -45,7 +45,8 @@ $(READY): pyproject.toml constraints.txt
 		exit 1; fi; \
 	"$$python" -m venv $(VENV)
 	$(PYTHON) -m pip install --quiet --constraint constraints.txt --upgrade pip
-	$(PYTHON) -m pip install --quiet --constraint constraints.txt --editable '.[test]'
+	PYTHONWARNINGS=ignore $(PYTHON) -m pip install --quiet --constraint constraints.txt \
+		--editable '.[test]'
 	@touch $@
 
 # Installs what is missing as root; otherwise says the one line to run.
@@ -59,9 +60,11 @@ define install
 	done; \
 	if [ -n "$$missing" ]; then \
 		if [ "$$(id -u)" = 0 ]; then apt-get update -qq; fi; \
-		chosen=""; for names in $$missing; do for name in $${names//|/ }; do \
-			if apt-cache show "$$name" 2>/dev/null | grep -q '^Filename'; then \
-				chosen="$$chosen $$name"; break; fi; done; done; \
+		chosen=""; for names in $$missing; do pick="$${names%%|*}"; \
+			for name in $${names//|/ }; do \
+				if apt-cache show "$$name" 2>/dev/null | grep -q '^Filename'; then \
+					pick="$$name"; break; fi; done; \
+			chosen="$$chosen $$pick"; done; \
 		if [ "$$(id -u)" = 0 ]; then \
 			DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends \
 				$$chosen >/dev/null; \
