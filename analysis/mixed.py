@@ -82,7 +82,7 @@ def _degrees(cells: _Cells, sd_people: float, sd_motions: float) -> int:
     """
     persons, kinds = cells.total.shape
     counts = [n for n, sd in ((persons, sd_people), (kinds, sd_motions)) if sd > LEAST_SD]
-    return min(counts, default=int(cells.total.sum())) - 1
+    return max(min(counts, default=persons if cells.people else int(cells.total.sum())) - 1, 1)
 
 
 def _cells(people: Array, motions: Array, chose_a: Array) -> _Cells:

@@ -199,9 +199,9 @@ def _participants(path: Path) -> pd.DataFrame:
     """participants.tsv of a data set, as text; empty when there is none."""
     file = path / "participants.tsv"
     if not file.is_file():
-        return pd.DataFrame(columns=["participant_id"])
+        return pd.DataFrame(columns=["participant_id", "home"])
     table, _ = _table(_lines(file.read_text(encoding="utf-8", errors="replace")), "\t", file)
-    return table.reset_index(drop=True)
+    return table.reset_index(drop=True).assign(home=str(path.resolve()))
 
 
 def _stimuli(path: Path) -> dict[str, dict[str, Any]]:
@@ -218,7 +218,9 @@ def _present(register: pd.DataFrame, study: Study) -> pd.DataFrame:
     if "participant_id" not in register:
         return pd.DataFrame()
     ids = register["participant_id"].astype(str).str.removeprefix("sub-")
-    return register[ids.isin({s.participant.partition("@")[0] for s in study.sessions})]
+    present = {(str(_home(s.path)), s.participant.partition("@")[0]) for s in study.sessions}
+    kept = [key in present for key in zip(register["home"], ids, strict=True)]
+    return register[kept].drop(columns="home")
 
 
 def _told_apart(sessions: list[Session]) -> list[Session]:

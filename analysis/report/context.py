@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from analysis.record import Study
@@ -18,6 +18,13 @@ class Context:
     screened: Screened
     seed: int = 0
     second_opinion: bool = False
+    certificates: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def certificate(self) -> dict[str, Any] | None:
+        """What `segue certify` found of this protocol, by its hash."""
+        marks = {str(s.sidecar.get("ProtocolHash")) for s in self.study.sessions}
+        return next((self.certificates[mark] for mark in marks if mark in self.certificates), None)
 
     @property
     def protocol(self) -> dict[str, Any]:

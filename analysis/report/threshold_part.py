@@ -1,5 +1,6 @@
 """The results of an odd-pair study: thresholds on both sides of the reference."""
 
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,12 @@ from analysis.psychometric import Threshold
 from analysis.report.context import Context
 from analysis.report.draw import GRID, INK, PALE, SIDES, canvas, quiet_y, shorten
 from analysis.report.parts import Figure, Findings, Section, Table
+from analysis.report.supplement_part import (
+    answer_bias_section,
+    beside_section,
+    difference_section,
+    shown_section,
+)
 from analysis.report.track_part import track_section
 from analysis.report.words import (
     count,
@@ -18,25 +25,46 @@ from analysis.report.words import (
     signed,
     signed_interval,
 )
+from analysis.supplements import against_shown, differences, supplement
 from analysis.thresholds import ALL, Entry, entries, plan_of, prepared, signed_threshold
 
 SIDE_WORDS = {"shorter": "shorter blends", "longer": "longer blends"}
 
 
 def report_odd_pair(context: Context) -> Findings:
-    """Psychometric fits pooled, by motion and by person, and the staircases' own estimates."""
+    """Psychometric fits pooled, by motion and by person, and what stands beside them."""
     specification = str(context.table("stimuli").get("specification", ""))
     trials = prepared(context.screened.main, specification)
-    found = entries(trials, plan_of(context.protocol, context.seed))
+    plan = plan_of(context.protocol, context.seed)
+    found = entries(trials, plan)
+    beside = {
+        id(entry): supplement(entry, trials, plan, context.second_opinion)
+        for entry in found
+        if entry.participant == ALL
+    }
+    tests, shown = (
+        differences(trials, plan.what),
+        against_shown(trials, context.study.stimuli, plan),
+    )
     sections = [
         _pooled_section(context, name, [entry for entry in found if entry.specification == name])
         for name in sorted({entry.specification for entry in found})
     ]
+    sections.append(beside_section(context, list(beside.values())))
+    sections += [difference_section(context, tests)] if tests else []
+    sections += [shown_section(context, shown)] if shown else []
     people = [entry for entry in found if entry.participant != ALL]
-    if people:
-        sections.append(_people_section(context, people))
-    sections.append(track_section(context, trials))
-    return Findings(tuple(sections), {"psychometric": [entry.as_dict() for entry in found]})
+    sections += [_people_section(context, people)] if people else []
+    sections += [track_section(context, trials), answer_bias_section(trials)]
+    document = {
+        "psychometric": [
+            entry.as_dict() | (beside[id(entry)].as_dict() if id(entry) in beside else {})
+            for entry in found
+        ],
+        "differences": [test.as_dict() for test in tests],
+        "against_shown": [asdict(fit) for fit in shown],
+    }
+    return Findings(tuple(sections), document)
 
 
 def sentence(entry: Entry, number_of: int = 0) -> str:

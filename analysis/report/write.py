@@ -9,11 +9,14 @@ import numpy as np
 
 from analysis.files import write_atomic
 from analysis.record import Study, read
+from analysis.report.certificate_part import certificate_section, certificates
 from analysis.report.context import Context, Report
+from analysis.report.methods_part import asked_section, methods_section
 from analysis.report.natural_part import report_natural
 from analysis.report.parts import Findings, Section
 from analysis.report.preference_part import report_preference
 from analysis.report.provenance import provenance, provenance_section
+from analysis.report.published import published_section
 from analysis.report.rating_part import report_rating
 from analysis.report.study_parts import exclusion_section, people_section, timing_section
 from analysis.report.threshold_part import report_odd_pair
@@ -48,7 +51,9 @@ class Written:
     document: dict[str, Any]
 
 
-def write_report(data: list[Path], out: Path | None = None, seed: int = 0) -> Written:
+def write_report(
+    data: list[Path], out: Path | None = None, seed: int = 0, second_opinion: bool = False
+) -> Written:
     """Read every record below `data` and write the report into `out`.
 
     `out` defaults to `derivatives/segue` in the first of `data`. Raises InputError when no
@@ -56,7 +61,8 @@ def write_report(data: list[Path], out: Path | None = None, seed: int = 0) -> Wr
     """
     studies, notes = read(data)
     out = out or (data[0] if data[0].is_dir() else data[0].parent) / "derivatives" / "segue"
-    reports = [report_of(study, seed) for study in studies]
+    known = certificates(data)
+    reports = [report_of(study, seed, second_opinion, known) for study in studies]
     document = {"studies": [report.document for report in reports], "unread": notes}
     for report in reports:
         for section in report.sections:
@@ -72,16 +78,26 @@ def write_report(data: list[Path], out: Path | None = None, seed: int = 0) -> Wr
     return Written(page, document)
 
 
-def report_of(study: Study, seed: int = 0) -> StudyReport:
-    """Analyse one study."""
-    context = Context(study, screen(study), seed)
+def report_of(
+    study: Study,
+    seed: int = 0,
+    second_opinion: bool = False,
+    certificates: dict[str, Any] | None = None,
+) -> StudyReport:
+    """Analyse one study; `certificates` are entries of certificate.json by protocol hash."""
+    context = Context(study, screen(study), seed, second_opinion, certificates or {})
     main = context.screened.main
     findings = TASKS[study.task](context) if len(main) else _nothing(context)
+    published = published_section(context, findings.document)
     sections = (
+        asked_section(context),
         people_section(context),
         exclusion_section(context),
+        certificate_section(context),
         *findings.sections,
+        *((published,) if published else ()),
         timing_section(context),
+        methods_section(context),
         provenance_section(context),
     )
     return StudyReport(
@@ -118,6 +134,8 @@ def _document(context: Context, findings: Findings) -> dict[str, Any]:
         "psychometric": [],
         **findings.document,
         "text": findings.sentences,
+        "methods": " ".join(methods_section(context).text),
+        "certificate": context.certificate,
         "provenance": provenance(context),
     }
 

@@ -10,13 +10,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--out", metavar="DIR", type=Path, help="default: DATA/derivatives/segue of the first DATA"
     )
     parser.add_argument("--seed", type=int, default=0, help="seed of the resampling (default 0)")
+    parser.add_argument(
+        "--second-opinion",
+        action="store_true",
+        help="add psignifit's thresholds, where it is installed",
+    )
     parser.add_argument("--json", action="store_true", help="print report.json's document")
 
 
 def run(args: argparse.Namespace) -> int:
     from analysis.report import write_report
 
-    written = write_report(args.data, args.out, args.seed)
+    written = write_report(args.data, args.out, args.seed, args.second_opinion)
     if args.json:
         from analysis.report.write import clean
         from study.cli.common import print_json

@@ -1,0 +1,155 @@
+"""What was asked and how, in the words of a Methods section, written from the protocol."""
+
+from typing import Any
+
+from analysis.report.context import Context
+from analysis.report.parts import Section
+from analysis.report.words import count, listing, share
+from analysis.screening import stated_rules
+
+TASKS = {
+    "odd-pair": "On each trial two pairs of clips were shown side by side, one pair after the "
+    "other. One pair held the same clip twice, the other two clips that differed in blend length; "
+    "participants said which pair held two different clips, and guessed when unsure.",
+    "preference": "On each trial two clips of the same motions, joined by two methods, were shown "
+    "and participants said which looked more natural.",
+    "rating": "Participants watched a clip and rated it on five-point scales, then another, and "
+    "at last compared the two.",
+    "natural": "Participants watched a clip and said whether it looked natural.",
+}
+
+QUESTIONS = {
+    "odd-pair": "By how many frames must the length of a blend differ for people to see it?",
+    "preference": "Which way of joining two motions do people find more natural?",
+    "rating": "How realistic, and how noticeable, do people find the transitions of two methods?",
+    "natural": "Which transitions do people call natural, and does a score predict it?",
+}
+
+RULES = {
+    "levitt": "a transformed up-down staircase ({n_down} down, {n_up} up; Wetherill and Levitt, "
+    "1965)",
+    "wang": "the staircase of Wang (2005): the difference shrank after two right answers in a row "
+    "and otherwise grew",
+    "weighted": "a weighted up-down staircase (Kaernbach, 1991)",
+    "questplus": "QUEST+ (Watson, 2017)",
+}
+
+DEFAULTS = {"n_down": 2, "n_up": 1}
+
+
+def asked_section(context: Context) -> Section:
+    """The question of the study."""
+    study = context.study
+    sets = context.table("stimuli").get("motions")
+    named = [str(m.get("name")) for m in sets if isinstance(m, dict)] if sets else []
+    facts = [("Question", QUESTIONS[study.task]), ("Task", TASKS[study.task])]
+    if named:
+        facts.append(("Motions", listing(named)))
+    methods = context.protocol.get("methods")
+    if methods:
+        facts.append(("Methods", listing([str(m) for m in methods])))
+    return Section("What was asked", facts=tuple(facts))
+
+
+def methods_section(context: Context) -> Section:
+    """A Methods paragraph ready to paste."""
+    if not context.protocol:
+        return Section("Methods", text=("The records hold no protocol to write Methods from.",))
+    sentences = [
+        *_stimuli(context),
+        TASKS[context.study.task],
+        *_staircase(context),
+        *_order(context),
+        *_analysis(context),
+    ]
+    return Section("Methods", findings=(), text=(" ".join(sentences),))
+
+
+def _stimuli(context: Context) -> list[str]:
+    stimuli, look = context.table("stimuli"), context.table("appearance")
+    kind = stimuli.get("specification", "start-end")
+    seconds = stimuli.get("seconds", 6.0)
+    fps = stimuli.get("fps", 30)
+    told = [
+        f"Stimuli were {kind} transitions between captured human motions, rendered offline as "
+        f"clips of {seconds:g} s at {fps:g} frames a second with the transition in the middle, "
+        "from one static camera for all clips of a pair of motions"
+        + ("." if look.get("ground") else " and without a ground plane.")
+    ]
+    reference = stimuli.get("reference")
+    if reference is not None:
+        told.append(
+            "The reference blend lasted "
+            + (
+                "as long as the geodesic distance was least (Wang, 2005, V.1)"
+                if reference == "geodesic"
+                else count(int(reference), "frame")
+            )
+            + f"; {_lengths(stimuli)}."
+        )
+    methods = context.protocol.get("methods")
+    if methods:
+        told.append(f"Blend lengths were chosen by {listing([str(m) for m in methods])}.")
+    return told
+
+
+def _lengths(stimuli: dict[str, Any]) -> str:
+    lengths = stimuli.get("lengths")
+    if lengths:
+        return f"it was compared with lengths of {listing([str(n) for n in lengths])} frames"
+    sides = [f"{side} by {listing([str(n) for n in stimuli[side]])} frames"
+             for side in ("shorter", "longer") if stimuli.get(side)]  # fmt: skip
+    return "it was compared with blends " + (" and ".join(sides) or "of other lengths")
+
+
+def _staircase(context: Context) -> list[str]:
+    rule = context.table("staircase")
+    if not rule:
+        return []
+    name = str(rule.get("rule", ""))
+    words = RULES.get(name, f"the rule {name}").format_map(DEFAULTS | _numbers(rule))
+    stop = rule.get("stop")
+    ends = {
+        "visits": "a level had been answered {} times",
+        "reversals": "it had turned {} times",
+        "trials": "{} trials had been answered",
+    }
+    held = [ends[k].format(v) for k, v in stop.items() if k in ends] if stop else []
+    until = f" A track ended when {' or '.join(held)}." if held else ""
+    return [
+        f"Differences followed {words}, with one track for each motion and side, interleaved at "
+        f"random.{until}"
+    ]
+
+
+def _numbers(table: dict[str, Any]) -> dict[str, Any]:
+    return {key: value for key, value in table.items() if isinstance(value, int | float)}
+
+
+def _order(context: Context) -> list[str]:
+    if context.study.task == "odd-pair":
+        return ["The order of the pairs and the place of the odd clip were random."]
+    if context.study.task == "preference":
+        first = context.table("trials").get("first", "balanced")
+        return [f"Which clip came first was {first if first == 'balanced' else 'random'}."]
+    return []
+
+
+def _analysis(context: Context) -> list[str]:
+    stated = context.table("analysis")
+    told = [f"Results were called significant below α = {share(context.alpha, 3).rstrip('0')}."]
+    if context.study.task == "odd-pair":
+        lapse = stated.get("lapse", "free")
+        told.insert(
+            0,
+            f"{str(stated.get('function', 'logistic')).capitalize()} functions with a guess rate "
+            "of ½ and a lapse rate "
+            + ("free below .10" if lapse == "free" else f"of {share(float(lapse))}")
+            + " were fitted to single trials by maximum likelihood, each side of the reference "
+            f"apart; 95% intervals resample people, then trials within people "
+            f"({int(stated.get('bootstrap', 2000)):,} times).",
+        )
+    rules = [words for _, words, _, _ in stated_rules(context.protocol)]
+    if rules:
+        told.append(f"Left out by rules set beforehand were {listing(rules)}.")
+    return told

@@ -1,0 +1,216 @@
+"""Beside the plain fit of a side: other fits of the same trials, and what moves with it.
+
+The bias-reduced fit, the fit of all people at once with a random threshold, thresholds in d′, the
+Weber fraction, another tool's opinion, fits against what was shown, and whether motions, sides
+and specifications share one function.
+"""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from analysis.naturalness import measures
+from analysis.psychometric import Counts, Setting, counts, fit, people_counts, summarise
+from analysis.psychometric.compare import Comparison, same_function
+from analysis.psychometric.dprime import RULES, proportion_of
+from analysis.psychometric.opinion import Opinion, second_opinion
+from analysis.psychometric.random import RandomThreshold, fit_random_threshold
+from analysis.psychometric.reduced import fit_reduced
+from analysis.thresholds import ALL, Entry, Plan
+
+UNIT_D_PRIME = 1.0
+FEWEST_LEVELS = 3  # distinct values that a measure must take to be fitted
+
+
+@dataclass(frozen=True)
+class Supplement:
+    """What stands beside one entry; signed like it."""
+
+    side: str
+    specification: str
+    motion: str
+    weber_fraction: float | None
+    bias_reduced: dict[str, float] | None
+    random_threshold: RandomThreshold | None
+    second_opinion: Opinion | None
+    d_prime: tuple[dict[str, Any], ...]
+
+    def as_dict(self) -> dict[str, Any]:
+        return {
+            "weber_fraction": self.weber_fraction,
+            "bias_reduced": self.bias_reduced,
+            "random_threshold": None
+            if self.random_threshold is None
+            else asdict(self.random_threshold),
+            "second_opinion": None if self.second_opinion is None else asdict(self.second_opinion),
+            "d_prime": list(self.d_prime),
+        }
+
+
+def supplement(entry: Entry, trials: pd.DataFrame, plan: Plan, opinion: bool) -> Supplement:
+    """The other fits of a pooled entry; nothing is fitted where the verdict denies a threshold."""
+    at, sign = plan.at[0], entry.sign
+    ok = entry.summary.verdict == "ok"
+    whole = ok and entry.motion == ALL
+    reference = _reference(trials, entry)
+    value = entry.summary.thresholds[0].value
+    reduced = fit_reduced(entry.counts, plan.what) if ok else None
+    found = fit_random_threshold(entry.data, plan.what, at) if whole and _several(entry) else None
+    told = second_opinion(entry.counts, plan.what, at) if ok and opinion else None
+    return Supplement(
+        side=entry.side,
+        specification=entry.specification,
+        motion=entry.motion,
+        weber_fraction=sign * value / reference if ok and reference else None,
+        bias_reduced=None
+        if reduced is None
+        else {"value": sign * reduced.threshold(at), "slope": reduced.slope},
+        random_threshold=None if found is None else _signed_random(found, sign),
+        second_opinion=None if told is None else _signed_opinion(told, sign),
+        d_prime=_in_d_prime(entry, plan) if whole else (),
+    )
+
+
+def _several(entry: Entry) -> bool:
+    return len(entry.data.people) > 1
+
+
+def _reference(trials: pd.DataFrame, entry: Entry) -> float | None:
+    """The mean reference length of an entry's trials, where it is recorded."""
+    if "reference_length" not in trials:
+        return None
+    own = trials[(trials["track"] == entry.side) & (trials["specification"] == entry.specification)]
+    if entry.motion != ALL:
+        own = own[own["motion"] == entry.motion]
+    mean = float(own["reference_length"].mean())
+    return mean if np.isfinite(mean) and mean > 0 else None
+
+
+def _signed_random(found: RandomThreshold, sign: float) -> RandomThreshold:
+    low, high = sorted((sign * found.low, sign * found.high))
+    return replace(found, value=sign * found.value, low=low, high=high)
+
+
+def _signed_opinion(told: Opinion, sign: float) -> Opinion:
+    low, high = sorted((sign * told.low, sign * told.high))
+    return replace(told, value=sign * told.value, low=low, high=high)
+
+
+def _in_d_prime(entry: Entry, plan: Plan) -> tuple[dict[str, Any], ...]:
+    """Thresholds at d′ = 1 under each decision rule, with profile intervals."""
+    ats = tuple(proportion_of(UNIT_D_PRIME, rule) for rule in RULES)
+    fitted = summarise(entry.counts, plan.what, ats, samples=0)
+    rows = []
+    for rule, threshold, verdict in zip(RULES, fitted.thresholds, fitted.verdicts, strict=True):
+        numbers = sorted((entry.sign * threshold.low, entry.sign * threshold.high))
+        known = verdict == "ok"
+        rows.append(
+            {
+                "rule": rule,
+                "d_prime": UNIT_D_PRIME,
+                "at": threshold.at,
+                "value": entry.sign * threshold.value if known else None,
+                "low": numbers[0] if known else None,
+                "high": numbers[1] if known else None,
+                "verdict": verdict,
+            }
+        )
+    return tuple(rows)
+
+
+@dataclass(frozen=True)
+class Difference:
+    """A likelihood-ratio test that some sets of trials share one function."""
+
+    between: str
+    side: str
+    specification: str
+    groups: tuple[str, ...]
+    test: Comparison
+
+    def as_dict(self) -> dict[str, Any]:
+        return {
+            "between": self.between,
+            "side": self.side,
+            "specification": self.specification,
+            "groups": list(self.groups),
+            **asdict(self.test),
+        }
+
+
+def differences(trials: pd.DataFrame, what: Setting) -> list[Difference]:
+    """Tests between motions (each side apart), sides, and specifications (each side apart)."""
+    found = []
+    for between, column, apart in (
+        ("motions", "motion", ["specification", "track"]),
+        ("sides", "track", ["specification"]),
+        ("specifications", "specification", ["track"]),
+    ):
+        for key, part in trials.groupby(apart, sort=True):
+            groups = {str(name): _counts(own) for name, own in part.groupby(column, sort=True)}
+            if len(groups) > 1:
+                place = dict(zip(apart, key, strict=True))
+                found.append(
+                    Difference(
+                        between,
+                        str(place.get("track", ALL)),
+                        str(place.get("specification", ALL)),
+                        tuple(groups),
+                        same_function(list(groups.values()), what),
+                    )
+                )
+    return found
+
+
+def _counts(trials: pd.DataFrame) -> Counts:
+    return counts(trials["level"], trials["correct"])
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A fit against a measure of the clips instead of their nominal length."""
+
+    measure: str
+    side: str
+    levels: int
+    threshold: dict[str, float | None]
+    verdict: str
+    gain: float  # log likelihood above that of the fit to nominal length, on the same trials
+
+
+def against_shown(
+    trials: pd.DataFrame, stimuli: Mapping[str, dict[str, Any]], plan: Plan
+) -> list[Shown]:
+    """Fits of each side against |measure of the odd clip − measure of the reference|."""
+    if not {"clip_a", "clip_b"} <= set(trials):
+        return []
+    known = {clip: measures(entry) for clip, entry in stimuli.items()}
+    names = sorted({name for entry in known.values() for name in entry})
+    found = []
+    for name in names:
+        ends = [
+            trials[clip].map(lambda hash_, name=name: known.get(hash_, {}).get(name, np.nan))
+            for clip in ("clip_a", "clip_b")
+        ]
+        level = (ends[1] - ends[0]).abs().astype(float)
+        for side, part in trials.groupby("track", sort=True):
+            own = level[part.index]
+            kept = own.notna() & (own > 0)
+            if own[kept].nunique() < FEWEST_LEVELS:
+                continue
+            told = _fit_shown(part[kept], own[kept], plan)
+            found.append(Shown(name, str(side), int(own[kept].nunique()), *told))
+    return found
+
+
+def _fit_shown(
+    part: pd.DataFrame, level: pd.Series, plan: Plan
+) -> tuple[dict[str, float | None], str, float]:
+    data = people_counts(part["participant"], level, part["correct"]).pooled()
+    summary = summarise(data, plan.what, plan.at[:1], samples=0)
+    nominal = float(fit(_counts(part), plan.what).value[0])
+    told = summary.as_dict()
+    return told["threshold"], summary.verdict, summary.log_likelihood - nominal
