@@ -9,9 +9,9 @@ import numpy as np
 
 from stimuli.motion import quaternions as quat
 from stimuli.motion.quaternions import Array
-from stimuli.motion.skeleton import Motion
+from stimuli.motion.skeleton import Motion, Skeleton
 from stimuli.transition.ik import bend_axis, reach_out
-from stimuli.transition.plants import SIDES, Contacts, Leg, LegPose, contacts, leg_pose, runs
+from stimuli.transition.plants import SIDES, Contacts, LegPose, contacts, leg_pose, legs_of, runs
 from stimuli.transition.window import Window
 
 EASE = 10  # frames over which a correction fades, fewer where the next plant is nearer
@@ -24,30 +24,24 @@ def lock_feet(motion: Motion, a: Motion, b: Motion, window: Window) -> Motion:
     Frames more than an easing away from plants that the blend touches are left as they are.
     """
     first = max(window.first - EASE, 0)
-    after = min(window.last + _BEYOND + EASE, len(motion))
-    carried = _carried(contacts(a), contacts(b), window, first, after)
-    rotations = motion.rotations
-    for side, name in enumerate(SIDES):
-        leg = Leg.of(motion.skeleton, name)
-        pose = leg_pose(motion, leg, slice(first, after))
-        shift = _corrections(
-            pose, carried.stands[:, side], carried.on_toe[:, side],
-            window.first - first, window.last - first,
-        )  # fmt: skip
-        touched = np.flatnonzero(np.any(shift != 0, axis=1))
-        if len(touched):
-            rotations = rotations.copy() if rotations is motion.rotations else rotations
-            part = slice(int(touched[0]), int(touched[-1]) + 1)
-            rows = slice(first + part.start, first + part.stop)
-            moved = _moved(motion, leg, _part(pose, part), shift[part], rows)
-            for joint, local in moved.items():
-                rotations[rows, joint] = local
+    rows = slice(first, min(window.last + _BEYOND + EASE, len(motion)))
+    carried = _carried(contacts(a), contacts(b), window, rows)
+    pose = leg_pose(motion, rows)
+    shift = _corrections(pose, carried, window.first - first, window.last - first)
+    touched = np.flatnonzero(np.any(shift != 0, axis=(1, 2)))
+    if not len(touched):
+        return motion
+    part = slice(int(touched[0]), int(touched[-1]) + 1)
+    rotations = motion.rotations.copy()
+    rotations[first + part.start : first + part.stop] = _moved(
+        motion.skeleton, rotations[rows][part], _part(pose, part), shift[part]
+    )
     return Motion(motion.skeleton, rotations, motion.root, motion.fps)
 
 
-def _carried(a: Contacts, b: Contacts, window: Window, first: int, after: int) -> Contacts:
-    """Contacts of the frames `first` … `after` − 1 of the result: those of whoever weighs more."""
-    frames = np.arange(first, after)
+def _carried(a: Contacts, b: Contacts, window: Window, rows: slice) -> Contacts:
+    """Contacts in some frames of the result: those of whoever weighs more."""
+    frames = np.arange(rows.start, rows.stop)
     weight = np.clip(window.at_anchor + (frames - window.anchor) / (window.frames + 1), 0, 1)
     here = np.clip(frames, 0, len(a.stands) - 1)
     there = np.clip(frames + window.lag, 0, len(b.stands) - 1)
@@ -57,27 +51,31 @@ def _carried(a: Contacts, b: Contacts, window: Window, first: int, after: int) -
     return Contacts(stands, (1 - part) * a.on_toe[here] + part * b.on_toe[there])
 
 
-def _corrections(pose: LegPose, stands: np.ndarray, on_toe: Array, start: int, end: int) -> Array:
-    """How far (N, 3) on the floor a foot is to be moved in every frame."""
+def _corrections(pose: LegPose, carried: Contacts, start: int, end: int) -> Array:
+    """How far (N, 2, 3) on the floor the feet are to be moved in every frame."""
     slide = np.zeros_like(pose.ankle)
-    part = 0.5 * (on_toe[1:] + on_toe[:-1])[:, None]
+    part = 0.5 * (carried.on_toe[1:] + carried.on_toe[:-1])[..., None]
     slide[1:] = part * np.diff(pose.toe, axis=0) + (1 - part) * np.diff(pose.ankle, axis=0)
-    slide[:, 1] = 0.0
+    slide[..., 1] = 0.0
+    sides = [_held(slide[:, k], carried.stands[:, k], start, end) for k in range(len(SIDES))]
+    return np.stack(sides, axis=1)
+
+
+def _held(slide: Array, stands: np.ndarray, start: int, end: int) -> Array:
+    """Corrections (N, 3) of one foot that take back its slide (N, 3) while it stands."""
     plants = [(p, q) for p, q in runs(stands) if q >= start - 1 and p <= end + 1]
     shift = np.zeros_like(slide)
-    held = []
-    for begin, last in plants:
+    for place, (begin, last) in enumerate(plants):
         begins = max(begin, start - 1)
         lasts = last if begin < start else min(last, end + 1)
         drift = np.cumsum(slide[begins : lasts + 1], axis=0) - slide[begins]
-        held.append((begin, last, begins, lasts, _anchored(drift, begin < start, last > end)))
-    for place, (begin, last, begins, lasts, correction) in enumerate(held):
+        correction = _anchored(drift, begin < start, last > end)
         shift[begins : lasts + 1] += correction
-        room = begin - (held[place - 1][1] if place else -EASE) - 1
-        _fade(shift, correction[0], begins - 1, -1, min(room, EASE))
-        following = held[place + 1][0] if place + 1 < len(held) else last + 1 + EASE
+        before = begin - plants[place - 1][1] - 1 if place else EASE
+        after = plants[place + 1][0] - last - 1 if place + 1 < len(plants) else EASE
+        _fade(shift, correction[0], begins - 1, -1, min(before, EASE))
         if lasts == last:
-            _fade(shift, correction[-1], lasts + 1, 1, min(following - last - 1, EASE))
+            _fade(shift, correction[-1], lasts + 1, 1, min(after, EASE))
     return shift
 
 
@@ -92,48 +90,46 @@ def _anchored(drift: Array, from_before: bool, to_after: bool) -> Array:
 
 def _fade(shift: Array, correction: Array, start: int, step: int, frames: int) -> None:
     """Add `correction`, fading by a smoothstep over `frames` from `start` on, forwards or back."""
-    for k in range(1, frames + 1):
-        index = start + (k - 1) * step
-        s = k / (frames + 1)
-        if 0 <= index < len(shift):
-            shift[index] += correction * (1 - s * s * (3 - 2 * s))
+    rows = start + step * np.arange(frames)
+    s = np.arange(1, frames + 1) / (frames + 1)
+    inside = (rows >= 0) & (rows < len(shift))
+    fading = 1 - s * s * (3 - 2 * s)
+    shift[rows[inside]] += fading[inside, None] * correction
 
 
 def _part(pose: LegPose, part: slice) -> LegPose:
     return LegPose(*(getattr(pose, name)[part] for name in LegPose.__dataclass_fields__))
 
 
-def _moved(motion: Motion, leg: Leg, pose: LegPose, shift: Array, rows: slice) -> dict[int, Array]:
-    """New local rotations of hip, knee and ankle that move the ankle by `shift`.
-
-    The foot keeps its orientation in the world.
-    """
+def _moved(skeleton: Skeleton, rotations: Array, pose: LegPose, shift: Array) -> Array:
+    """Local rotations (N, J, 4) with the ankles moved by `shift`, the feet turned as they were."""
+    legs = legs_of(skeleton)
+    hips, knees, ankles = legs.joints
     hinge = bend_axis(pose.knee - pose.hip, pose.ankle - pose.knee, _usual_hinge(pose))
-    turn_thigh, turn_shank = reach_out(pose.hip, pose.knee, pose.ankle, pose.ankle + shift, hinge)
-    thigh = quat.multiply(turn_thigh, pose.thigh)
-    shank = quat.multiply(turn_shank, pose.shank)
-    return {
-        leg.hip: quat.multiply(quat.inverse(pose.above), thigh),
-        leg.knee: _local(motion, leg.hip, leg.knee, thigh, shank, rows),
-        leg.ankle: _local(motion, leg.knee, leg.ankle, shank, pose.foot, rows),
-    }
+    turns = reach_out(pose.hip, pose.knee, pose.ankle, pose.ankle + shift, hinge)
+    thigh, shank = (
+        quat.multiply(t, q) for t, q in zip(turns, (pose.thigh, pose.shank), strict=True)
+    )
+    moved = rotations.copy()
+    moved[:, hips] = quat.multiply(quat.inverse(pose.above), thigh) if legs.hip else thigh
+    to_knee = _through(rotations, legs.chain[legs.hip + 1 : legs.knee], thigh)
+    moved[:, knees] = quat.multiply(quat.inverse(to_knee), shank)
+    to_ankle = _through(rotations, legs.chain[legs.knee + 1 : -1], shank)
+    moved[:, ankles] = quat.multiply(quat.inverse(to_ankle), pose.foot)
+    return moved
 
 
-def _local(
-    motion: Motion, upper: int, lower: int, above: Array, wanted: Array, rows: slice
-) -> Array:
-    """Local rotation of `lower` that gives it the orientation wanted, with joints in between."""
-    for link in motion.skeleton.chain(lower):
-        if link in motion.skeleton.chain(upper) or link == lower:
-            continue
-        above = quat.multiply(above, motion.rotations[rows, link])
-    return quat.multiply(quat.inverse(above), wanted)
+def _through(rotations: Array, links: np.ndarray, above: Array) -> Array:
+    """Orientation (N, 2, 4) below the links that lie between two joints of a leg."""
+    for joints in links:
+        above = quat.multiply(above, rotations[:, joints])
+    return above
 
 
 def _usual_hinge(pose: LegPose) -> Array:
-    """The axis (N, 3) about which this knee bends, known from the frames where it is bent most."""
+    """The axes (N, 2, 3) about which the knees bend, told by the frames where they bend most."""
     axis = quat.cross(pose.knee - pose.hip, pose.ankle - pose.knee)
     in_thigh = quat.rotate(quat.inverse(pose.thigh), axis).sum(axis=0)
-    size = np.linalg.norm(in_thigh)
-    usual = in_thigh / size if size > 0 else np.array([1.0, 0.0, 0.0])
-    return quat.rotate(pose.thigh, np.broadcast_to(usual, axis.shape))
+    size = np.linalg.norm(in_thigh, axis=-1, keepdims=True)
+    usual = np.where(size > 0, in_thigh / np.where(size > 0, size, 1.0), [1.0, 0.0, 0.0])
+    return quat.rotate(pose.thigh, usual)

@@ -10,7 +10,7 @@ from stimuli.motion.kinematics import forward
 from stimuli.motion.quaternions import Array
 from stimuli.transition.length import geodesic_costs
 from stimuli.transition.methods import Transition
-from stimuli.transition.plants import SIDES, Leg, contacts, leg_pose
+from stimuli.transition.plants import contacts, leg_pose
 from stimuli.transition.window import LONGEST
 
 NAMES = (
@@ -65,25 +65,22 @@ def _foot_slide(transition: Transition) -> float | None:
     sources = transition.sources
     if sources is None:
         return None
+    try:
+        a, b = contacts(sources[0]), contacts(sources[1])
+    except InputError:  # no legs are known
+        return None
     rows = slice(max(first - 1, 0), min(last + 2, len(motion)))
     frames = np.arange(rows.start, rows.stop)
-    a, b = contacts(sources[0]), contacts(sources[1])
     later = frames > (first + last) / 2
     here = np.clip(frames, 0, len(a.stands) - 1)
     there = np.clip(frames + len(sources[1]) - len(motion), 0, len(b.stands) - 1)
-    travelled, count = 0.0, 0
-    for side, name in enumerate(SIDES):
-        try:
-            pose = leg_pose(motion, Leg.of(motion.skeleton, name), rows)
-        except InputError:
-            return None
-        stands = np.where(later, b.stands[there, side], a.stands[here, side])
-        on_toe = np.where(later, b.on_toe[there, side], a.on_toe[here, side])[1:, None]
-        steps = on_toe * np.diff(pose.toe, axis=0) + (1 - on_toe) * np.diff(pose.ankle, axis=0)
-        both = stands[1:] & stands[:-1]
-        travelled += float(np.linalg.norm(steps[both][:, [0, 2]], axis=1).sum())
-        count += int(both.sum())
-    return travelled / count if count else 0.0
+    stands = np.where(later[:, None], b.stands[there], a.stands[here])
+    on_toe = np.where(later[:, None], b.on_toe[there], a.on_toe[here])[1:, :, None]
+    pose = leg_pose(motion, rows)
+    steps = on_toe * np.diff(pose.toe, axis=0) + (1 - on_toe) * np.diff(pose.ankle, axis=0)
+    both = stands[1:] & stands[:-1]
+    travel = np.linalg.norm(steps[both][:, [0, 2]], axis=1)
+    return float(travel.mean()) if len(travel) else 0.0
 
 
 def _cost(transition: Transition) -> float | None:

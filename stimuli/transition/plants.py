@@ -1,10 +1,12 @@
 """When a foot stands: found from the speed and the height of ankle and toe in a captured motion."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from stimuli.errors import InputError
 from stimuli.motion import quaternions as quat
 from stimuli.motion.quaternions import Array
 from stimuli.motion.skeleton import Motion, Skeleton
@@ -16,29 +18,27 @@ SIDES = ("left", "right")
 
 
 @dataclass(frozen=True, eq=False)
-class Leg:
-    """The joints of a leg, and its toe: a joint, or an end site of the ankle."""
+class Legs:
+    """Both legs of a skeleton, the left one first: their joints and their toes.
 
+    A toe is a joint, or an end site of the ankle; `toes` (2, 3) lie in the ankles' frames.
+    `chain` (D, 2) leads from the root down to the ankles; `hip` and `knee` are places in it.
+    """
+
+    chain: np.ndarray
     hip: int
     knee: int
-    ankle: int
-    toe: Array  # (3,) from the ankle, in the ankle's frame
+    toes: Array
 
-    @classmethod
-    def of(cls, skeleton: Skeleton, side: str) -> "Leg":
-        """The leg of a side; InputError naming roles that are missing."""
-        hip, knee, ankle = skeleton.role(f"{side}_hip", f"{side}_knee", f"{side}_ankle")
-        if f"{side}_toe" in skeleton.roles:
-            toe = skeleton.offsets[skeleton.roles[f"{side}_toe"]]
-        else:
-            ends = skeleton.end_offsets[skeleton.end_parents == ankle]
-            toe = ends[np.argmax(np.linalg.norm(ends, axis=1))] if len(ends) else np.zeros(3)
-        return cls(hip, knee, ankle, toe)
+    @property
+    def joints(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Hips (2,), knees (2,) and ankles (2,)."""
+        return self.chain[self.hip], self.chain[self.knee], self.chain[-1]
 
 
 @dataclass(frozen=True, eq=False)
 class LegPose:
-    """World positions (N, 3) and orientations (N, 4) down a leg."""
+    """World positions (N, 2, 3) and orientations (N, 2, 4) down both legs."""
 
     hip: Array
     knee: Array
@@ -48,6 +48,33 @@ class LegPose:
     thigh: Array
     shank: Array
     foot: Array
+
+
+@lru_cache(maxsize=64)
+def legs_of(skeleton: Skeleton) -> Legs:
+    """The legs of a skeleton; InputError for missing roles and for legs of unlike hierarchies."""
+    chains, toes = [], []
+    for side in SIDES:
+        hip, knee, ankle = skeleton.role(f"{side}_hip", f"{side}_knee", f"{side}_ankle")
+        chain = skeleton.chain(ankle)
+        chains.append((chain, chain.index(hip), chain.index(knee)))
+        toes.append(_toe(skeleton, side, ankle))
+    (left, hip, knee), (right, *places) = chains
+    if len(left) != len(right) or [hip, knee] != places:
+        raise InputError(
+            f"skeleton of {skeleton.names[0]}: expected legs alike, found {len(left)} joints down "
+            f"to the left ankle and {len(right)} to the right.\nFeet cannot be held: "
+            "use --no-foot-lock."
+        )
+    return Legs(np.array([left, right]).T, hip, knee, np.array(toes))
+
+
+def _toe(skeleton: Skeleton, side: str, ankle: int) -> Array:
+    """Where the toe is (3,), from the ankle."""
+    if f"{side}_toe" in skeleton.roles:
+        return skeleton.offsets[skeleton.roles[f"{side}_toe"]]
+    ends = skeleton.end_offsets[skeleton.end_parents == ankle]
+    return ends[np.argmax(np.linalg.norm(ends, axis=1))] if len(ends) else np.zeros(3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,26 +88,27 @@ class Contacts:
     on_toe: Array
 
 
-def leg_pose(motion: Motion, leg: Leg, frames: slice) -> LegPose:
-    """A leg in some frames of a motion, by its own chain alone."""
-    skeleton, rotations = motion.skeleton, motion.rotations[frames]
-    position, orientation = motion.root[frames], rotations[:, 0]
-    above = orientation
-    places, turns = {0: position}, {0: orientation}
-    for link in skeleton.chain(leg.ankle)[1:]:
-        above = orientation
-        position = position + quat.rotate(orientation, skeleton.offsets[link])
-        orientation = quat.multiply(orientation, rotations[:, link])
-        places[link], turns[link] = position, orientation
-        if link == leg.hip:
-            bears = above
-    if leg.hip == 0:
-        bears = np.broadcast_to(quat.IDENTITY, rotations[:, 0].shape)
-    toe = position + quat.rotate(orientation, leg.toe)
+def leg_pose(motion: Motion, frames: slice) -> LegPose:
+    """Both legs in some frames of a motion, by their own chains alone."""
+    legs = legs_of(motion.skeleton)
+    rotations, offsets = motion.rotations[frames], motion.skeleton.offsets
+    position, orientation = motion.root[frames][:, None], rotations[:, legs.chain[0]]
+    places, turns = [position], [orientation]
+    for links in legs.chain[1:]:
+        position = position + quat.rotate(orientation, offsets[links])
+        orientation = quat.multiply(orientation, rotations[:, links])
+        places.append(position)
+        turns.append(orientation)
     return LegPose(
-        places[leg.hip], places[leg.knee], position, toe,
-        bears, turns[leg.hip], turns[leg.knee], orientation,
-    )  # fmt: skip
+        hip=places[legs.hip],
+        knee=places[legs.knee],
+        ankle=position,
+        toe=position + quat.rotate(orientation, legs.toes),
+        above=turns[max(legs.hip - 1, 0)],
+        thigh=turns[legs.hip],
+        shank=turns[legs.knee],
+        foot=orientation,
+    )
 
 
 _KNOWN: WeakKeyDictionary[Motion, Contacts] = WeakKeyDictionary()
@@ -94,18 +122,16 @@ def contacts(motion: Motion) -> Contacts:
 
 
 def _found(motion: Motion) -> Contacts:
-    stands = np.zeros((len(motion), 2), dtype=bool)
-    on_toe = np.zeros((len(motion), 2))
-    for side, name in enumerate(SIDES):
-        pose = leg_pose(motion, Leg.of(motion.skeleton, name), slice(None))
-        speeds = [np.linalg.norm(quat.linear_velocity(p), axis=1) for p in (pose.ankle, pose.toe)]
-        slow = [
-            (speed * motion.fps < SPEED) & (p[:, 1] < np.quantile(p[:, 1], 0.05) + HEIGHT)
-            for speed, p in zip(speeds, (pose.ankle, pose.toe), strict=True)
-        ]
-        stands[:, side] = _without_flicker(slow[0] | slow[1])
-        on_toe[:, side] = (speeds[0] + 1e-6) / (speeds[0] + speeds[1] + 2e-6)
-    return Contacts(stands, on_toe)
+    pose = leg_pose(motion, slice(None))
+    slow, speeds = [], []
+    for point in (pose.ankle, pose.toe):
+        speed = np.linalg.norm(quat.linear_velocity(point), axis=-1)
+        low = point[..., 1] < np.quantile(point[..., 1], 0.05, axis=0) + HEIGHT
+        slow.append((speed * motion.fps < SPEED) & low)
+        speeds.append(speed + 1e-6)
+    stands = (slow[0] | slow[1]).T
+    steady = np.stack([_without_flicker(side) for side in stands], axis=-1)
+    return Contacts(steady, speeds[0] / (speeds[0] + speeds[1]))
 
 
 def runs(flags: np.ndarray) -> list[tuple[int, int]]:
