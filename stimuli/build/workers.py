@@ -25,7 +25,7 @@ ENVIRONMENT = {
     "OMP_NUM_THREADS": "1",
     "OPENBLAS_NUM_THREADS": "1",
     "MKL_NUM_THREADS": "1",
-    "LP_NUM_THREADS": "1",
+    "LP_NUM_THREADS": "0",
     "PYOPENGL_PLATFORM": "egl",
 }
 

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 class Appearance:
     """Settings of a set's pictures; colours are what the screen shows, 0..1.
 
-    Without an azimuth it is three-quarter, from the front or, where a figure that travels far is
-    then much larger at the transition, from behind.
+    The view `best` is that of the four (front or behind, left or right of the heading) in which
+    the figure is largest at the transition, from behind only when it is then much larger: a
+    figure that runs off would be tiny from the front.
     """
 
     width: int = 640
@@ -16,7 +17,8 @@ class Appearance:
     background: tuple[float, float, float] = (0.5, 0.5, 0.5)
     body: str = "figure"  # an entry of stimuli.render.bodies.BODIES
     colour: tuple[float, float, float] = (0.80, 0.76, 0.72)
-    azimuth: float | None = None  # degrees from the heading at the transition, to its left
+    azimuth: float = 35.0  # degrees from the line of the heading at the transition
+    view: str = "best"  # or an entry of stimuli.render.camera.VIEWS
     elevation: float = 8.0  # degrees above level
     field_of_view: float = 30.0  # degrees, vertical
     margin: float = 0.06  # of the frame left free on each side

@@ -1,19 +1,19 @@
 """One static camera that holds every pose of every clip of a group."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
+from stimuli.errors import InputError
 from stimuli.render.appearance import Appearance
 from stimuli.render.shapes import Floats
 
-THREE_QUARTER, FRONT = 35.0, 1.3
-VIEWS = (
-    (THREE_QUARTER, FRONT),
-    (-THREE_QUARTER, FRONT),
-    (180.0 - THREE_QUARTER, 1.0),
-    (THREE_QUARTER - 180.0, 1.0),
-)
+VIEWS = {  # name: (angle of the view's line from the heading, side of the azimuth, its say)
+    "front-left": (0.0, 1.0, 1.3),
+    "front-right": (0.0, -1.0, 1.3),
+    "behind-left": (np.pi, -1.0, 1.0),
+    "behind-right": (np.pi, 1.0, 1.0),
+}
 DECIMALS = 4  # of a metre, that a camera's place is rounded to
 NEAREST = 0.3  # metres between the camera and the nearest point
 
@@ -59,31 +59,30 @@ def view_axes(yaw: float, elevation: float) -> Floats:
 
 
 def choose_camera(points: Floats, heading: float, at: Floats, look: Appearance) -> Camera:
-    """A camera that holds all `points` (..., 3) with the figure at `at` (3,) as large as may be.
+    """The camera of the look's view, which holds all `points` (..., 3).
 
-    Of the three-quarter views, left and right, the front has `FRONT` times the say of the back.
+    The best view shows the figure at `at` (3,) as large as may be. InputError for an unknown view.
     """
-    if look.azimuth is not None:
-        return fit_camera(points, heading, look)
+    names = tuple(VIEWS) if look.view == "best" else (look.view,)
+    if unknown := set(names) - set(VIEWS):
+        raise InputError(f"view: expected best, {', '.join(VIEWS)}; found {unknown.pop()!r}.")
+    azimuth = np.radians(look.azimuth)
 
-    def size(camera: Camera, weight: float) -> float:
-        return weight / float(camera.project(at, look.width, look.height)[1])
+    def seen(name: str) -> tuple[float, Camera]:
+        line, side, say = VIEWS[name]
+        camera = fit_camera(points, heading + line + side * azimuth, look)
+        return say / float(camera.project(at, look.width, look.height)[1]), camera
 
-    views = [
-        (fit_camera(points, heading, replace(look, azimuth=azimuth)), weight)
-        for azimuth, weight in VIEWS
-    ]
-    return max(views, key=lambda view: size(*view))[0]
+    return max(map(seen, names), key=lambda candidate: candidate[0])[1]
 
 
-def fit_camera(points: Floats, heading: float, look: Appearance) -> Camera:
-    """The nearest camera at the look's angles from `heading` that holds all `points` (..., 3).
+def fit_camera(points: Floats, yaw: float, look: Appearance) -> Camera:
+    """The nearest camera at an azimuth of `yaw` radians that holds all `points` (..., 3).
 
     In the camera's axes a point is in frame when |x − cx| ≤ t (cz − z), t the tangent of half the
     horizontal angle: two linear bounds on (cx, cz), so that cz and the middle of cx follow at
     once; likewise for the vertical.
     """
-    yaw = heading + np.radians(THREE_QUARTER if look.azimuth is None else look.azimuth)
     elevation = np.radians(look.elevation)
     axes = view_axes(yaw, elevation)
     local = points.reshape(-1, 3) @ axes

@@ -6,71 +6,120 @@ crosses, a quad across each crossed edge; Gibson 1998), then relaxed and put bac
 """
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stimuli.render.mesh import neighbour_mean
+from stimuli.render.mesh import Faces, neighbour_mean
 from stimuli.render.shapes import Floats, Part, bounds, distance, smooth_union
 
-CELL = 0.016
+CELL = 0.018
 ROUNDS = 4
 RELAXING = 0.6
-FAR = 0.12
+FAR = 0.10
 BETWEEN_LIMBS = 0.006
+THIN = {0: "hand", 1: "toes"}  # axis: the parts that need a finer grid along it
+STEP = 1e-3  # metres, of central differences
+STENCIL = STEP * np.array(
+    [[0, 0, 0], [1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]]
+)
 
 
 def body_distance(parts: Sequence[Part], points: Floats) -> Floats:
     """(N,) signed distance of points (N, 3) from the joined body; exact only within `FAR`."""
+    return _distances(parts, points, np.zeros((1, 3)))[0]
+
+
+def _distances(parts: Sequence[Part], points: Floats, offsets: Floats) -> Floats:
+    """(S, N) distances of points (N, 3) moved by each of a few small `offsets` (S, 3)."""
     limbs: dict[str, Floats] = {}
     for part in parts:
-        gap = _near_distance(part, points)
-        before = limbs.get(part.limb)
-        limbs[part.limb] = gap if before is None else smooth_union(before, gap, part.blend)
-    trunk = limbs.pop("trunk")
+        low, high = bounds(part)
+        beyond = np.maximum(np.maximum(low - points, points - high), 0.0)
+        outside = np.sqrt(np.einsum("ni,ni->n", beyond, beyond))
+        near = np.flatnonzero(outside < FAR)
+        gap = np.tile(outside, (len(offsets), 1))
+        gap[:, near] = distance(part, points[near] + offsets[:, None])
+        _add(limbs, part, gap, ...)
+    return _joined(limbs, parts)
+
+
+def grid_distance(parts: Sequence[Part], axes: Sequence[Floats]) -> Floats:
+    """The distances at the corners of a rectilinear grid with ascending `axes`, three of them.
+
+    Each part is looked at only around itself.
+    """
+    shape = tuple(len(axis) for axis in axes)
+    limbs: dict[str, Floats] = {}
+    for part in parts:
+        if part.limb not in limbs:
+            limbs[part.limb] = np.full(shape, FAR)
+        corners = zip(*bounds(part), axes, strict=True)
+        box = tuple(
+            slice(*np.searchsorted(axis, [least - FAR, most + FAR]))
+            for least, most, axis in corners
+        )
+        grid = np.stack(
+            np.meshgrid(*(axis[part] for axis, part in zip(axes, box, strict=True)), indexing="ij"),
+            axis=-1,
+        )
+        _add(limbs, part, distance(part, grid), box)
+    return _joined(limbs, parts)
+
+
+def _add(limbs: dict[str, Floats], part: Part, gap: Floats, where: Any) -> None:
+    """Join a part to the parts of its limb before it."""
+    if part.limb in limbs:
+        limb = limbs[part.limb]
+        limb[where] = smooth_union(limb[where], gap, part.blend)
+    else:
+        limbs[part.limb] = gap
+
+
+def _joined(limbs: dict[str, Floats], parts: Sequence[Part]) -> Floats:
+    """The limbs joined to the trunk, each by the radius of its first part."""
     roots = {part.limb: part.blend for part in reversed(parts)}
-    joined = [smooth_union(trunk, gap, roots[limb]) for limb, gap in limbs.items()]
-    whole = trunk
-    for gap in joined:
-        whole = smooth_union(whole, gap, BETWEEN_LIMBS)
+    trunk = whole = limbs["trunk"]
+    for limb, gap in limbs.items():
+        if limb != "trunk":
+            whole = smooth_union(whole, smooth_union(trunk, gap, roots[limb]), BETWEEN_LIMBS)
     return whole
 
 
-def _near_distance(part: Part, points: Floats) -> Floats:
-    """Distance where it is below `FAR`; the box's own distance, at least, elsewhere."""
-    low, high = bounds(part)
-    outside = np.maximum(np.maximum(low - points, points - high), 0.0)
-    gap = np.sqrt(np.einsum("ni,ni->n", outside, outside))
-    near = gap < FAR
-    gap[near] = distance(part, points[near])
-    return gap
-
-
-def gradient(parts: Sequence[Part], points: Floats, step: float = 1e-3) -> Floats:
-    """(N, 3) slope of the field by central differences: the outward normal near the skin."""
-    slope = np.empty_like(points)
-    for axis in range(3):
-        shift = np.zeros(3)
-        shift[axis] = step
-        slope[:, axis] = body_distance(parts, points + shift) - body_distance(parts, points - shift)
-    return slope / (2 * step)
-
-
-def closed_mesh(parts: Sequence[Part], cell: float = CELL) -> tuple[Floats, NDArray[np.int32]]:
+def closed_mesh(parts: Sequence[Part], cell: float = CELL) -> tuple[Floats, Faces]:
     """Vertices (V, 3) on the body's skin and outward faces (T, 3), one closed surface."""
-    corners = [bounds(part) for part in parts]
-    low = np.min([c[0] for c in corners], axis=0) - 2 * cell
-    high = np.max([c[1] for c in corners], axis=0) + 2 * cell
-    shape = np.ceil((high - low) / cell).astype(int) + 1
-    grid = low + cell * np.stack(np.meshgrid(*(np.arange(n) for n in shape), indexing="ij"), -1)
-    values = body_distance(parts, grid.reshape(-1, 3)).reshape(shape)
-    cells, quads = surface_nets(values)
-    points = low + cell * cells
+    axes = [_grid_axis(parts, axis, cell) for axis in range(3)]
+    cells, quads = surface_nets(grid_distance(parts, axes))
+    points: Floats = np.stack(
+        [np.interp(cells[:, k], np.arange(len(axis)), axis) for k, axis in enumerate(axes)], axis=-1
+    )
     faces = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]).astype(np.int32)
     for _ in range(ROUNDS):
         points = points + RELAXING * (neighbour_mean(points, faces) - points)
         points = _projected(parts, points)
     return points, faces
+
+
+def _grid_axis(parts: Sequence[Part], axis: int, cell: float) -> Floats:
+    """Ascending coordinates a cell apart over all parts, half a cell where a part is thin.
+
+    Hands reach out to the sides and toes lie lowest, so that few other cells become finer.
+    """
+    boxes = [(bounds(part), part.name) for part in parts]
+    spans = [
+        (low[axis] - cell, high[axis] + cell)
+        for (low, high), name in boxes
+        if axis in THIN and name.endswith(THIN[axis])
+    ]
+    place = min(low[axis] for (low, _), _ in boxes) - 2 * cell
+    end = max(high[axis] for (_, high), _ in boxes) + 2 * cell
+    places = [place]
+    while place < end:
+        fine = any(least <= place < most for least, most in spans)
+        place += cell / 2 if fine else cell
+        places.append(place)
+    return np.array(places)
 
 
 def surface_nets(values: Floats) -> tuple[Floats, NDArray[np.intp]]:
@@ -130,7 +179,10 @@ def _quads(inside: NDArray[np.bool_], number: NDArray[np.intp]) -> NDArray[np.in
 
 def _projected(parts: Sequence[Part], points: Floats) -> Floats:
     """Points moved along the gradient onto the zero surface (one Newton step, bounded)."""
-    slope = gradient(parts, points)
+    gaps = _distances(parts, points, STENCIL)
+    slope = np.stack([gaps[1] - gaps[2], gaps[3] - gaps[4], gaps[5] - gaps[6]], axis=-1) / (
+        2 * STEP
+    )
     steepness = np.maximum(np.einsum("ni,ni->n", slope, slope), 0.25)
-    step = np.clip(body_distance(parts, points) / steepness, -CELL, CELL)
+    step = np.clip(gaps[0] / steepness, -CELL, CELL)
     return points - step[:, None] * slope

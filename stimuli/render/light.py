@@ -12,9 +12,9 @@ from stimuli.render.shapes import Floats
 
 KEY = (-0.55, 0.65, 0.80)  # towards the light, in the camera's right, up and backward directions
 FILL = (0.85, 0.15, 0.45)
-KEY_POWER, FILL_POWER = 0.62, 0.16
-SKY, FLOOR = 0.22, 0.08
-WRAP = 0.35  # how far the key light reaches around the edge: a large source, not a point
+KEY_POWER, FILL_POWER = 0.90, 0.14
+SKY, FLOOR = 0.24, 0.07
+WRAP = 0.25  # how far the key light reaches around the edge: a large source, not a point
 GAMMA = 1 / 2.2
 
 

@@ -11,6 +11,8 @@ import os
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -88,6 +90,8 @@ class Renderer:
     def close(self) -> None:
         """Free the context; it must not outlive its process."""
         if self._platform is not None:
+            if self._drawing.figure_program is not None:
+                self._drawing.figure_program.delete()
             self._drawing.delete()
             self._platform.delete_context()
             self._platform = None
@@ -130,13 +134,50 @@ def _scene(pyrender: Any, skin: Skin, camera: Camera, look: Appearance) -> tuple
     return scene, primitive
 
 
+VERTEX = """#version 330 core
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec4 colour;
+uniform mat4 V;
+uniform mat4 P;
+centroid out vec4 shown;
+void main() { gl_Position = P * V * vec4(position, 1.0); shown = colour; }
+"""
+FRAGMENT = """#version 330 core
+centroid in vec4 shown;
+out vec4 frag_color;
+void main() { frag_color = shown; }
+"""
+
+
+def _program() -> Any:
+    """A shader program that shows the vertices' colours.
+
+    They are interpolated at centroids: at the middle of a pixel that a triangle only touches they
+    would be extrapolated, and speckle the figure's outline.
+    """
+    from pyrender.shader_program import ShaderProgram
+
+    with TemporaryDirectory(prefix="segue-") as folder:
+        vertex, fragment = Path(folder, "figure.vert"), Path(folder, "figure.frag")
+        vertex.write_text(VERTEX)
+        fragment.write_text(FRAGMENT)
+        program = ShaderProgram(str(vertex), str(fragment))
+        program._add_to_context()
+    return program
+
+
 def _drawing(pyrender: Any) -> Any:
-    """pyrender's renderer, reading back only the colours inside `box`."""
+    """pyrender's renderer with a program of our own, reading back only the colours in `box`."""
     from OpenGL import GL
     from pyrender.renderer import Renderer as Base
 
     class Drawing(Base):
         box: tuple[int, int, int, int]
+        figure_program: Any = None
+
+        def _get_primitive_program(self, primitive: Any, flags: int, uses: int) -> Any:
+            self.figure_program = self.figure_program or _program()
+            return self.figure_program
 
         def _read_main_framebuffer(self, scene: Any, flags: int) -> Frames:
             x, y, width, height = self.box

@@ -2,8 +2,6 @@
 
 import argparse
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -46,27 +44,13 @@ def run(args: argparse.Namespace) -> int:
     out = args.out or Path("stimulus-sets") / protocol.name
     if args.dry_run:
         return _dry_run(args, spec, library, out, resolve(spec, library))
-    with _bar() as step:
+    with progress(None, "rendering") as step:
         manifest = build(spec, library, out, workers=args.workers, progress=step)
     pruned = prune(manifest) if args.prune else 0
     if args.strips:
         _write_strips(manifest)
     _tell(args, manifest, pruned)
     return 0
-
-
-@contextmanager
-def _bar() -> Iterator[Callable[[int, int], None]]:
-    """A bar whose length is known only when the building begins."""
-    with ExitStack() as stack:
-        steps: list[Callable[[int], None]] = []
-
-        def step(done: int, total: int) -> None:
-            if not steps:
-                steps.append(stack.enter_context(progress(total, "rendering")))
-            steps[0](done)
-
-        yield step
 
 
 def _dry_run(args: argparse.Namespace, spec: Any, library: Any, out: Path, resolved: Any) -> int:

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from stimuli.errors import InputError
 from stimuli.motion import forward, walker
 from stimuli.motion.kinematics import headings
 from stimuli.render import Appearance, group_camera
@@ -16,7 +17,6 @@ looks = st.builds(
     Appearance,
     width=st.integers(64, 900),
     height=st.integers(64, 900),
-    azimuth=angles,
     elevation=st.floats(-20, 60),
     field_of_view=st.floats(10, 80),
     margin=st.floats(0, 0.3),
@@ -30,10 +30,10 @@ def cloud(seed: int) -> np.ndarray:
 
 @given(st.integers(0, 1000), angles, looks)
 def test_every_point_is_in_frame_and_the_nearest_ones_touch_the_margin(
-    seed: int, heading: float, look: Appearance
+    seed: int, yaw: float, look: Appearance
 ) -> None:
     points = cloud(seed)
-    camera = fit_camera(points, np.radians(heading), look)
+    camera = fit_camera(points, np.radians(yaw), look)
     pixels, depth = camera.project(points, look.width, look.height)
     assert np.all(depth > NEAREST - 0.001)
     free = look.margin * np.array([look.width, look.height])
@@ -47,13 +47,18 @@ def test_every_point_is_in_frame_and_the_nearest_ones_touch_the_margin(
 
 
 def test_the_camera_stands_at_its_azimuth_from_the_heading() -> None:
-    look = Appearance(azimuth=30, elevation=10)
+    look = Appearance(azimuth=30, elevation=10, view="front-left")
     ball = np.concatenate([np.eye(3), -np.eye(3)]) * 0.01
-    camera = fit_camera(ball, np.radians(20), look)
+    camera = choose_camera(ball, np.radians(20), np.zeros(3), look)
     assert np.degrees(camera.yaw) == pytest.approx(50, abs=0.01)
     assert np.degrees(camera.elevation) == pytest.approx(10, abs=0.01)
     away = np.array(camera.position) / np.linalg.norm(camera.position)
     np.testing.assert_allclose(away, camera.axes[:, 2], atol=0.05)
+
+
+def test_an_unknown_view_is_refused_with_the_known_ones() -> None:
+    with pytest.raises(InputError, match="behind-right"):
+        choose_camera(cloud(0), 0.0, np.zeros(3), Appearance(view="above"))
 
 
 def test_axes_are_orthonormal_and_right_handed() -> None:
