@@ -72,54 +72,8 @@ def rotate(q: Array, v: Array) -> Array:
 def _of_pairs(p: Array, q: Array, form: Array) -> Array:
     """A bilinear form (16, N) of the components of p and q: (..., N)."""
     products = p[..., :, None] * q[..., None, :]
-    return np.asarray((products.reshape(-1, 16) @ form).reshape(*products.shape[:-2], -1))
-
-
-def _bilinear() -> tuple[Array, Array]:
-    """The product as a form (16, 4) of component pairs, and the rotation matrix as one (16, 9)."""
-    product = np.zeros((4, 4, 4))
-    for a, b, c, sign in (
-        (0, 0, 0, 1), (1, 1, 0, -1), (2, 2, 0, -1), (3, 3, 0, -1),
-        (0, 1, 1, 1), (1, 0, 1, 1), (2, 3, 1, 1), (3, 2, 1, -1),
-        (0, 2, 2, 1), (2, 0, 2, 1), (3, 1, 2, 1), (1, 3, 2, -1),
-        (0, 3, 3, 1), (3, 0, 3, 1), (1, 2, 3, 1), (2, 1, 3, -1),
-    ):  # fmt: skip
-        product[a, b, c] = sign
-    conjugate = np.diag([1.0, -1.0, -1.0, -1.0])
-    matrix = np.einsum("ajx,xby,bc->acyj", product, product, conjugate)[:, :, 1:, 1:]
-    return product.reshape(16, 4), matrix.reshape(16, 9)
-
-
-_PRODUCT, _MATRIX = _bilinear()
-
-
-def inverse(q: Array) -> Array:
-    """Inverse (the conjugate) of unit quaternions, (..., 4)."""
-    return q * np.array([1.0, -1.0, -1.0, -1.0])
-
-
-def cross(u: Array, v: Array) -> Array:
-    """Cross product of vectors, (..., 3)."""
-    product = np.empty(np.broadcast_shapes(u.shape, v.shape))
-    product[..., 0] = u[..., 1] * v[..., 2] - u[..., 2] * v[..., 1]
-    product[..., 1] = u[..., 2] * v[..., 0] - u[..., 0] * v[..., 2]
-    product[..., 2] = u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
-    return product
-
-
-def rotate(q: Array, v: Array) -> Array:
-    """Vectors v (..., 3) turned by q (..., 4)."""
-    if q.size + v.size < _FEW:
-        matrices = _of_pairs(q, q, _MATRIX).reshape(*q.shape[:-1], 3, 3)
-        return np.asarray(np.einsum("...ij,...j->...i", matrices, v))
-    twice = 2.0 * cross(q[..., 1:], v)
-    return v + q[..., :1] * twice + cross(q[..., 1:], twice)
-
-
-def _pairs(p: Array, q: Array) -> Array:
-    """All products of a component of p with one of q, (..., 16)."""
-    products = p[..., :, None] * q[..., None, :]
-    return products.reshape(*products.shape[:-2], 16)
+    values = products.reshape(-1, 16) @ form
+    return np.asarray(values.reshape(*products.shape[:-2], form.shape[1]))
 
 
 def normalise(q: Array) -> Array:

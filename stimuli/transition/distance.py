@@ -89,15 +89,25 @@ def cost_matrix(
     )
     distance += np.square(a.root[:, None, 1] - b.root[None, :, 1])
     if velocity_weight:
-        first, second = (_velocity_features(m, joints, scale) for m in (a, b))
+        first, second = (velocity_features(m, joints, scale) for m in (a, b))
         distance += velocity_weight * _squared_euclidean(first, second)
     return distance
 
 
-def _velocity_features(motion: Motion, joints: list[int], weights: Array) -> Array:
+def root_cost(a: Motion, b: Motion, velocity_weight: float = 1.0) -> Array:
+    """The root's part of the cost (FA, FB): difference of height, and of velocity on the floor."""
+    check_pair(a, b)
+    cost = np.square(a.root[:, None, 1] - b.root[None, :, 1])
+    first, second = (velocity_features(m, [], np.empty(0)) for m in (a, b))
+    return np.asarray(cost + velocity_weight * _squared_euclidean(first, second))
+
+
+def velocity_features(motion: Motion, joints: list[int], weights: Array) -> Array:
     """Vectors (F, 3 + 3K) whose squared differences are d_v: root velocity, then √w ω."""
     home = quat.about("Y", -_headings(motion))
     root = quat.rotate(home, quat.linear_velocity(motion.root))
+    if not joints:
+        return root
     angular = joint_velocities(motion, joints) * np.sqrt(weights)[:, None]
     return np.concatenate([root, angular.reshape(len(motion), -1)], axis=1)
 
