@@ -1,8 +1,9 @@
 """The bias-reduced fit: maximum likelihood with Jeffreys' prior as a penalty.
 
 Few trials, and adaptive ones more so, make maximum likelihood too steep. The penalty, half the
-log determinant of the expected information, takes the first-order bias out of the estimates
-(Firth 1993) and keeps them finite where the data separate.
+log determinant of the expected information, is Firth's (1993); with a guess rate it reduces the
+bias of the slope rather than removing it, and it keeps estimates finite where the data separate
+(Kosmidis and Firth 2021).
 """
 
 from dataclasses import dataclass

@@ -40,9 +40,9 @@ def beside_section(context: Context, found: list[Supplement]) -> Section:
         "The same trials by other methods (frames, signed).",
         data,
         shown,
-        "Bias-reduced: Jeffreys\u2019 penalty takes out the first-order bias of few or adaptive "
-        "trials. Random threshold: all people at once, thresholds normal among them, with their "
-        "SD. d\u2032 of 1 is a proportion of .760 if each pair is one observation, of .573 if the "
+        "Bias-reduced: Jeffreys’ penalty against the steepness that few or adaptive trials "
+        "feign. Random threshold: all people at once, thresholds normal among them, with their "
+        "SD. d′ of 1 is a proportion of .760 if each pair is one observation, of .573 if the "
         "two clips of each pair are compared first.",
     )
     return Section("Other fits of the same trials", findings=findings, tables=(table,))
@@ -63,7 +63,7 @@ def _rows(entry: Supplement) -> list[dict[str, Any]]:
             {**common, "method": name, "value": fit.value, "low": fit.low, "high": fit.high}
         )
     for told in entry.d_prime:
-        name = f"d\u2032 = 1, {told['rule']}"
+        name = f"d′ = 1, {told['rule']}"
         ends = {key: none if told[key] is None else told[key] for key in ("value", "low", "high")}
         rows.append({**common, "method": name, **ends})
     if entry.second_opinion:
@@ -82,14 +82,14 @@ def difference_section(context: Context, tests: list[Difference]) -> Section:
             "Between": [test.between for test in tests],
             "Side": [test.side for test in tests],
             "Groups": [", ".join(test.groups) for test in tests],
-            "\u03c7\u00b2": [number(test.test.statistic) for test in tests],
+            "χ²": [number(test.test.statistic) for test in tests],
             "df": [str(test.test.df) for test in tests],
             "p": [p_value(test.test.p).removeprefix("p ").removeprefix("= ") for test in tests],
         }
     )
     note = (
         "Likelihood-ratio tests of one function against one for each group. They take trials as "
-        "independent: where people differ, a p just below \u03b1 is weak evidence."
+        "independent: where people differ, a p just below α is weak evidence."
     )
     table = Table(f"{context.stem}-differences", "Is the function the same?", data, shown, note)
     return Section("Differences", findings=findings, tables=(table,))
@@ -100,7 +100,7 @@ def _difference(test: Difference, alpha: float) -> str:
     differ = test.test.p < alpha
     return (
         f"The psychometric functions{where} {'differ' if differ else 'do not differ'} "
-        f"significantly between {test.between}, \u03c7\u00b2({test.test.df}) = "
+        f"significantly between {test.between}, χ²({test.test.df}) = "
         f"{number(test.test.statistic)}, {p_value(test.test.p)}."
     )
 

@@ -1,0 +1,170 @@
+"""What a design's estimates are worth: bias, spread and coverage over simulated studies.
+
+Simulated trials come from elsewhere, study by study; here each study is analysed as the report
+would analyse it, and the truth that made it is held against what came out.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy.special import ndtr, ndtri, stdtrit
+
+from analysis.mixed import mixed
+from analysis.preferences import contests
+from analysis.psychometric import PeopleCounts, fit, fit_batch, people_counts
+from analysis.psychometric.bootstrap import percentile_interval, resample_people
+from analysis.psychometric.profile import threshold_interval
+from analysis.psychometric.reduced import fit_reduced
+from analysis.psychometric.verdict import judge
+from analysis.thresholds import Plan, prepared
+from analysis.tracks import staircase_threshold, tracks
+
+SAMPLES = 400  # resamples of people for one simulated study's interval
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """One side of one simulated study, signed: fits, interval, staircase estimates, verdict."""
+
+    side: str
+    value: float
+    low: float
+    high: float
+    ok: bool
+    bias_reduced: float
+    reversal_mean: float | None
+    stop_level: float | None
+
+
+def estimates(trials: pd.DataFrame, plan: Plan, seed: int) -> list[Estimate]:
+    """Both sides of a simulated odd-pair study, analysed as the report does."""
+    table = prepared(trials[trials["correct"].notna()])
+    found = []
+    for side, part in table.groupby("track", sort=True):
+        sign = -1.0 if side == "shorter" else 1.0
+        data = people_counts(part["participant"], part["level"], part["correct"])
+        value, low, high, ok = _fitted(data, plan, np.random.default_rng([seed, int(sign > 0)]))
+        low, high = sorted((sign * low, sign * high))
+        staircase = staircase_threshold(tracks(part))
+        found.append(
+            Estimate(
+                side=str(side),
+                value=sign * value,
+                low=low,
+                high=high,
+                ok=ok,
+                bias_reduced=sign * fit_reduced(data.pooled(), plan.what).threshold(plan.at[0]),
+                reversal_mean=staircase["reversal_mean"],
+                stop_level=staircase["stop_level"],
+            )
+        )
+    return found
+
+
+def _fitted(
+    data: PeopleCounts, plan: Plan, rng: np.random.Generator
+) -> tuple[float, float, float, bool]:
+    pooled, at = data.pooled(), plan.at[0]
+    fits = fit(pooled, plan.what)
+    correct, total = pooled.correct[None], pooled.total[None]
+    verdict = int(judge(pooled.levels, fits, correct, total, at)[0][0])
+    if len(data.people) > 1:
+        again = fit_batch(pooled.levels, *resample_people(data, SAMPLES, rng), plan.what)
+        low, high = percentile_interval(again.threshold(at))
+    else:
+        ends = threshold_interval(fits, correct, total, at)
+        low, high = float(ends[0][0]), float(ends[1][0])
+    return float(fits.threshold(at)[0]), low, high, verdict == 0
+
+
+def threshold_certificate(
+    studies: list[list[Estimate]], truth: dict[str, float]
+) -> list[dict[str, Any]]:
+    """Bias, spread and coverage of every estimate, a side at a time."""
+    told = []
+    for side, true in truth.items():
+        own = [entry for study in studies for entry in study if entry.side == side]
+        if not own:
+            continue
+        held = [entry.low <= true <= entry.high for entry in own]
+        told.append(
+            {
+                "side": side,
+                "truth": true,
+                "studies": len(own),
+                "identifiable": float(np.mean([entry.ok for entry in own])),
+                "coverage": float(np.mean(held)),
+                "fit": _spread([entry.value for entry in own], true),
+                "bias_reduced": _spread([entry.bias_reduced for entry in own], true),
+                "reversal_mean": _spread([entry.reversal_mean for entry in own], true),
+                "stop_level": _spread([entry.stop_level for entry in own], true),
+                "interval_width": _median([entry.high - entry.low for entry in own]),
+            }
+        )
+    return told
+
+
+def _median(values: list[float]) -> float | None:
+    middle = float(np.median(values))
+    return middle if np.isfinite(middle) else None
+
+
+def _spread(values: list[Any], true: float) -> dict[str, float | None]:
+    """Mean, bias and SD of the values that there are."""
+    known = np.array([v for v in values if v is not None and np.isfinite(v)], float)
+    if len(known) == 0:
+        return {"mean": None, "bias": None, "sd": None}
+    sd = float(known.std(ddof=1)) if len(known) > 1 else None
+    return {"mean": float(known.mean()), "bias": float(known.mean() - true), "sd": sd}
+
+
+def preference_finds(
+    trials: pd.DataFrame, methods: tuple[str, ...], alpha: float
+) -> dict[str, bool]:
+    """Whether the pooled test and the mixed model each find a preference in a simulated study."""
+    contest = contests(trials, methods)[0]
+    count, table = contest.count, contest.choices
+    model = mixed(
+        table["participant"].to_numpy(), table["motion"].to_numpy(), table["chose_a"].to_numpy()
+    )
+    uniform = model.p is None and count.p is not None and count.p < alpha
+    return {
+        "chi2": count.p is not None and count.p < alpha,
+        "mixed_model": uniform or (model.p is not None and model.p < alpha),
+    }
+
+
+def preference_power(
+    share: float, people: int, motions: int, alpha: float, spread: float, rng: np.random.Generator,
+    sets: int = 400,
+) -> float:  # fmt: skip
+    """Power of a test of people's own shares for a preference `share`, people differing.
+
+    `spread` is the SD of people in log odds. The test is a t test of people's own shares about
+    one half: it respects that one person's answers are alike, and is fast enough to search.
+    """
+    odds = np.log(share / (1 - share)) + spread * rng.standard_normal((sets, people))
+    shares = rng.binomial(motions, 1 / (1 + np.exp(-odds))) / motions
+    mean, sd = shares.mean(1) - 0.5, shares.std(1, ddof=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        t = np.where(sd > 0, mean / (sd / np.sqrt(people)), np.inf * np.sign(mean))
+    return float((np.abs(t) > stdtrit(people - 1, 1 - alpha / 2)).mean())
+
+
+def difference_power(effect: float, sd: float, simulated: int, people: int, alpha: float) -> float:
+    """Power to tell two thresholds apart that differ by `effect` frames, `people` in each.
+
+    `sd` is the spread of a threshold estimated from `simulated` people; it shrinks with the root
+    of their number.
+    """
+    error = sd * np.sqrt(simulated / people) * np.sqrt(2)
+    reach = ndtri(1 - alpha / 2)
+    return float(ndtr(abs(effect) / error - reach) + ndtr(-abs(effect) / error - reach))
+
+
+def fewest(power: dict[int, float], wanted: float = 0.8) -> int | None:
+    """The smallest number of people whose power, and that of all larger ones, is enough."""
+    enough = [people for people in power if all(power[n] >= wanted for n in power if n >= people)]
+    return min(enough, default=None)

@@ -1,0 +1,63 @@
+"""Simulated studies of chapters V and VI: intervals hold the dissertation's thresholds.
+
+Slow: forty studies of twelve people, sessions run by the session's own code.
+"""
+
+import numpy as np
+import pytest
+
+from analysis.certificate import Estimate, estimates
+from analysis.preferences import contests
+from analysis.thresholds import plan_of as plan_of_fits
+from study.cli.certify import Job, simulated_trials
+from study.protocol import load, shipped
+
+SEEDS = 40
+HELD = 33
+
+
+def studies(name: str, reference: int) -> list[list[Estimate]]:
+    protocol = load(name)
+    lengths = {pair.name: reference for pair in protocol.file.stimuli.motions}
+    found = []
+    for seed in range(SEEDS):
+        trials, _, _ = simulated_trials(
+            protocol, Job(dict(protocol.document), lengths, seed, protocol.file.participants)
+        )
+        found.append(estimates(trials, plan_of_fits(dict(protocol.document)), seed))
+    return found
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "reference", "truth"),
+    [
+        ("jnd-center", 10, {"shorter": -7.0, "longer": 10.0}),
+        ("jnd-start-end", 15, {"shorter": -3.0, "longer": 2.0}),
+    ],
+)
+def test_intervals_hold_the_thresholds(name: str, reference: int, truth: dict[str, float]) -> None:
+    if name not in shipped():
+        pytest.skip(f"the protocol {name} is not among the shipped ones")
+    found = studies(name, reference)
+    for side, true in truth.items():
+        own = [entry for study in found for entry in study if entry.side == side]
+        held = sum(entry.low <= true <= entry.high and entry.ok for entry in own)
+        mean = np.mean([entry.value for entry in own])
+        print(f"\n{name}, {side}: {held} of {SEEDS} intervals hold {true:+g}; mean {mean:+.2f}")
+        assert held >= HELD
+
+
+@pytest.mark.slow
+def test_chi_square_of_study_one() -> None:
+    protocol = load("study-one")
+    if len(protocol.file.stimuli.motions) < 8:
+        pytest.skip("study-one does not have its eight pairs of motions")
+    lengths: dict[str, int] = {}
+    found = []
+    for seed in range(SEEDS):
+        trials, _, _ = simulated_trials(protocol, Job(dict(protocol.document), lengths, seed, 35))
+        found.append(contests(trials, tuple(protocol.file.methods))[0].count.chi2)
+    print(f"\nstudy one: χ² of {SEEDS} simulated studies, median {np.median(found):.1f}, "
+          f"{min(found):.1f} to {max(found):.1f}")  # fmt: skip
+    assert 210 <= float(np.median(found)) <= 270
