@@ -1,0 +1,91 @@
+"""Transition points of start-end studies, drawn by a seed under stated conditions.
+
+The cheapest point of the pose cost is no place for a start-end transition: there the best blend
+length is nearly always one frame. The dissertation drew its points at random (Wang VI.4); so do we,
+among the frames that leave room for the clip, until a study's own condition holds.
+"""
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from stimuli.errors import InputError
+from stimuli.motion.skeleton import Motion
+from stimuli.transition.methods import blend_length
+from stimuli.transition.room import with_room
+from stimuli.transition.window import LONGEST
+
+FIXED = 10
+TRIES = 5000
+Condition = Callable[[Mapping[str, int]], bool]
+
+
+def away_from_fixed(lengths: Mapping[str, int]) -> bool:
+    """Wang V.2, studies one and three: 5 to 35 frames, and none close to the fixed ten."""
+    return 5 <= lengths["geodesic"] <= 35 and abs(lengths["geodesic"] - FIXED) > 2
+
+
+def velocity_away_from_fixed(lengths: Mapping[str, int]) -> bool:
+    """Study two: the velocity method's length is no clamp and not close to the fixed ten."""
+    return 3 <= lengths["velocity"] <= 35 and abs(lengths["velocity"] - FIXED) > 2
+
+
+def methods_differ(lengths: Mapping[str, int]) -> bool:
+    """Study four: the two methods give lengths that can be told apart."""
+    both = lengths["geodesic"], lengths["velocity"]
+    return all(3 <= length <= 35 for length in both) and abs(both[0] - both[1]) > 4
+
+
+def near_the_dissertations(lengths: Mapping[str, int]) -> bool:
+    """VI.3.2: a reference length like his 9, 15 and 16, with room for shorter ones."""
+    return 9 <= lengths["geodesic"] <= 20
+
+
+CONDITIONS: Mapping[str, Condition] = {
+    "study-one": away_from_fixed,
+    "study-two": velocity_away_from_fixed,
+    "study-three": away_from_fixed,
+    "study-four": methods_differ,
+    "jnd-start-end": near_the_dissertations,
+}
+
+
+def draw_point(
+    a: Motion,
+    b: Motion,
+    condition: Condition,
+    generator: np.random.Generator,
+    clip_frames: int = 180,
+) -> tuple[int, int]:
+    """Frames (i, j) of a start-end transition from `a` to `b`, drawn evenly.
+
+    Half a clip lies before i and half after j (loops have it always), and the longest blend fits
+    on both sides. Raises InputError when no point of `TRIES` meets the condition.
+    """
+    half = clip_frames // 2
+    first_i, last_i = (0, len(a) - 2) if a.loop else (half, len(a) - LONGEST)
+    first_j, last_j = (0, len(b) - 2) if b.loop else (LONGEST - 1, len(b) - 1 - half)
+    if last_i < first_i or last_j < first_j:
+        raise InputError(
+            f"expected motions of {half + LONGEST} frames or more to draw a transition from, "
+            f"found {len(a)} and {len(b)}; take longer ones"
+        )
+    for _ in range(TRIES):
+        i = int(generator.integers(first_i, last_i + 1))
+        j = int(generator.integers(first_j, last_j + 1))
+        if condition(lengths_at(a, b, i, j)):
+            return i, j
+    raise InputError(
+        f"expected a transition point that meets {condition.__name__}, found none in {TRIES} "
+        "draws; take other motions"
+    )
+
+
+def lengths_at(a: Motion, b: Motion, i: int, j: int) -> dict[str, int]:
+    """The start-end blend lengths (frames) by geodesic distance and by velocity at (i, j)."""
+    longer_a, at_i = with_room(a, i)
+    longer_b, at_j = with_room(b, j)
+    return {
+        method: blend_length(longer_a, longer_b, at_i, at_j, method, "start-end").frames
+        for method in ("geodesic", "velocity")
+    }
