@@ -36,6 +36,7 @@ class Stimuli(Table):
     shorter: tuple[Count, ...] = ()
     longer: tuple[Count, ...] = ()
     drop_missing: bool = False
+    methods_apart: Annotated[int, Field(ge=0)] = 0
     seconds: Annotated[float, Field(ge=0.5, le=60)] = 6.0
     smooth: bool = False
     foot_lock: bool = True

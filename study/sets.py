@@ -1,5 +1,6 @@
 """From a protocol to its stimulus set: which clips, how joined, and the reference lengths."""
 
+from itertools import combinations
 from typing import TYPE_CHECKING
 
 from stimuli.errors import InputError
@@ -62,7 +63,7 @@ def set_spec(
         for pair in stimuli.motions[: 1 if rehearsal else None]
     )
     k = stimuli.reference if isinstance(stimuli.reference, int) else 0
-    return SetSpec(
+    spec = SetSpec(
         name=protocol.name,
         pairings=pairings,
         specification=stimuli.specification,
@@ -76,6 +77,23 @@ def set_spec(
         foot_lock=stimuli.foot_lock,
         appearance=Appearance(**file.appearance.model_dump()),
     )
+    if stimuli.methods_apart:
+        _refuse_alike(protocol, spec, library)
+    return spec
+
+
+def _refuse_alike(protocol: Protocol, spec: "SetSpec", library: "Library") -> None:
+    """A motion whose methods give nearly the same length compares nothing: InputError."""
+    from stimuli.build import resolve
+
+    apart = protocol.file.stimuli.methods_apart
+    for pairing in resolve(spec, library):
+        for (one, length), (other, second) in combinations(pairing.methods.items(), 2):
+            if abs(length - second) < apart:
+                raise InputError(
+                    f"{protocol.name}: motion {pairing.name}: expected lengths at least {apart} "
+                    f"frames apart, found {one} {length} and {other} {second}; choose other frames"
+                )
 
 
 def references_of_manifest(protocol: Protocol, manifest: "Manifest") -> dict[str, int]:

@@ -56,11 +56,12 @@ def draw_point(
     condition: Condition,
     generator: np.random.Generator,
     clip_frames: int = 180,
+    tries: int = TRIES,
 ) -> tuple[int, int]:
     """Frames (i, j) of a start-end transition from `a` to `b`, drawn evenly.
 
     Half a clip lies before i and half after j (loops have it always), and the longest blend fits
-    on both sides. Raises InputError when no point of `TRIES` meets the condition.
+    on both sides. Raises InputError when no point of `tries` meets the condition.
     """
     half = clip_frames // 2
     first_i, last_i = (0, len(a) - 2) if a.loop else (half, len(a) - LONGEST)
@@ -70,13 +71,13 @@ def draw_point(
             f"expected motions of {half + LONGEST} frames or more to draw a transition from, "
             f"found {len(a)} and {len(b)}; take longer ones"
         )
-    for _ in range(TRIES):
+    for _ in range(tries):
         i = int(generator.integers(first_i, last_i + 1))
         j = int(generator.integers(first_j, last_j + 1))
         if condition(lengths_at(a, b, i, j)):
             return i, j
     raise InputError(
-        f"expected a transition point that meets {condition.__name__}, found none in {TRIES} "
+        f"expected a transition point that meets {condition.__name__}, found none in {tries} "
         "draws; take other motions"
     )
 

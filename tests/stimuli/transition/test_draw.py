@@ -1,0 +1,50 @@
+"""Transition points: drawn again from their stated seed, they are those of the protocols."""
+
+import re
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stimuli.errors import InputError
+from stimuli.motion import Library, walker
+from stimuli.transition.draw import CONDITIONS, draw_point, lengths_at
+
+PROTOCOLS = Path(__file__).resolve().parents[3] / "protocols"
+
+
+def drawn_again(name: str, set_name: str, library: Library) -> None:
+    document = tomllib.loads((PROTOCOLS / f"{name}.toml").read_text(encoding="utf-8"))
+    bound = document["sets"][set_name]
+    stated = re.search(r"seed \[(\d+), (\d+), n\]", bound["about"])
+    assert stated is not None
+    for n, motion in enumerate(document["stimuli"]["motions"]):
+        start, end = bound[motion["from"]], bound[motion["to"]]
+        generator = np.random.default_rng([int(stated[1]), int(stated[2]), n])
+        a, b = library.load(start["clip"]).motion, library.load(end["clip"]).motion
+        point = draw_point(a, b, CONDITIONS[name], generator)
+        assert point == (start["frame"], end["frame"]), motion["name"]
+
+
+@pytest.mark.parametrize("name", CONDITIONS)
+def test_points_of_captured_motion(name: str, motions: Path) -> None:
+    drawn_again(name, "cmu", Library([motions]))
+
+
+@pytest.mark.parametrize("name", CONDITIONS)
+def test_points_of_sample_motion(name: str, sample_motions: Path) -> None:
+    drawn_again(name, "sample", Library([sample_motions]))
+
+
+def test_a_drawn_point_meets_its_condition() -> None:
+    a, b = walker(0), walker(1)
+    generator = np.random.default_rng(1)
+    i, j = draw_point(a, b, lambda lengths: lengths["geodesic"] > 1, generator)
+    assert lengths_at(a, b, i, j)["geodesic"] > 1
+    with pytest.raises(InputError, match="20 draws"):
+        draw_point(a, b, impossible, generator, tries=20)
+
+
+def impossible(lengths: object) -> bool:
+    return False
