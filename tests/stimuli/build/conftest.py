@@ -30,7 +30,7 @@ def spec(pairing: Pairing) -> SetSpec:
     """Half a second in four lengths around 6, very small pictures."""
     return SetSpec(
         "tiny", (pairing,), "center-aligned", reference=6, shorter=(2, 4), longer=(3,),
-        seconds=0.5, appearance=SMALL,
+        seconds=0.5, foot_lock=False, appearance=SMALL,
     )  # fmt: skip
 
 

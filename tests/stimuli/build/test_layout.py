@@ -14,6 +14,7 @@ from stimuli.build import Pairing, SetSpec, clip_motion, resolve
 from stimuli.build.layout import frame_of_i, lay_out
 from stimuli.errors import InputError
 from stimuli.motion import Library, Motion, load
+from stimuli.transition.footlock import EASE
 
 lengths = st.integers(1, 40)
 specifications = st.sampled_from(["start-end", "center-aligned"])
@@ -46,6 +47,7 @@ def one(specification: str, reference: int, others: set[int], seconds: float = 6
         specification, reference=reference,
         shorter=tuple(reference - n for n in others if n < reference),
         longer=tuple(n - reference for n in others if n > reference), seconds=seconds,
+        foot_lock=False,
     )  # fmt: skip
 
 
@@ -62,6 +64,7 @@ def test_clips_of_a_group_are_the_same_up_to_the_first_blend(
     )
     assert len(reference.motion) == len(second.motion) == 180
     before = min(reference.mixed[0], second.mixed[0])
+    assert min(reference.altered, second.altered) == before
     np.testing.assert_array_equal(
         reference.motion.rotations[:before], second.motion.rotations[:before]
     )
@@ -90,6 +93,18 @@ def test_the_reference_blend_has_its_middle_at_frame_90(
         assert reference.mixed == (90 - k // 2, 90 + k // 2)
         assert second.mixed == (90 - other // 2, 90 + other // 2)
     assert abs(sum(reference.mixed) / 2 - 90) <= 0.5
+
+
+def test_held_feet_alter_no_more_than_their_easing_before_the_blend(straight: Straight) -> None:
+    spec = replace(one("center-aligned", 10, {4}), foot_lock=True)
+    resolved = resolve(spec, straight)[0]  # type: ignore[arg-type]
+    clips = [lay_out(spec, resolved, straight, length=n) for n in (4, 10)]  # type: ignore[arg-type]
+    for clip in clips:
+        assert clip.mixed[0] - EASE <= clip.altered <= clip.mixed[0]
+    same = min(clip.altered for clip in clips)
+    np.testing.assert_array_equal(
+        clips[0].motion.rotations[:same], clips[1].motion.rotations[:same]
+    )
 
 
 def test_after_the_blend_comes_the_to_motion_in_step(straight: Straight) -> None:
