@@ -18,6 +18,8 @@ from stimuli.motion.skeleton import Motion
 from stimuli.render.bodies import Body, make_body
 from stimuli.render.camera import Camera
 from stimuli.render.clip import group_camera
+from stimuli.transition import Transition
+from stimuli.transition.measures import measures
 
 DIGITS = 24  # of the hash that names a clip
 
@@ -49,7 +51,8 @@ def plan_group(spec: SetSpec, resolved: ResolvedPairing, library: Library) -> Pl
         *resolved.methods.items(), *((None, length) for length in resolved.lengths)
     ]  # fmt: skip
     laid = [
-        lay_out(spec, resolved, library, method=method, length=length) for method, length in kinds
+        lay_out(spec, resolved, library, method=method, length=None if method else length)
+        for method, length in kinds
     ]
     source = library.load(pairing.from_clip)
     body = _body(source, look.body)
@@ -60,9 +63,14 @@ def plan_group(spec: SetSpec, resolved: ResolvedPairing, library: Library) -> Pl
         "appearance": asdict(look),
         "fps": spec.fps,
     }
+    reference = next(
+        clip.transition
+        for (_, length), clip in zip(kinds, laid, strict=True)
+        if length == resolved.anchor
+    )
     clips = tuple(
-        _planned(spec, resolved, method, length, clip, made_of)
-        for (method, length), clip in zip(kinds, laid, strict=True)
+        _planned(spec, resolved, method, clip, reference, made_of)
+        for (method, _), clip in zip(kinds, laid, strict=True)
     )
     return PlannedGroup(
         pairing.name, body, camera, clips, _group_document(resolved, library, camera)
@@ -73,8 +81,8 @@ def _planned(
     spec: SetSpec,
     resolved: ResolvedPairing,
     method: str | None,
-    length: int,
     clip: LaidOut,
+    reference: Transition,
     made_of: Mapping[str, Any],
 ) -> PlannedClip:
     name = digest({"motion": motion_digest(clip.motion), **made_of})[:DIGITS]
@@ -83,11 +91,15 @@ def _planned(
         "motion": resolved.name,
         "method": method,
         "specification": spec.specification,
-        "length": length,
+        "length": clip.transition.frames,
         "smooth": spec.smooth,
         "transition_frame": clip.at,
         "mixed": list(clip.mixed),
-        "measures": {},
+        "first_altered": clip.altered,
+        "measures": {
+            name: value if value is None else round(value, 6)
+            for name, value in measures(clip.transition, reference).items()
+        },
         "warnings": [remark] if remark else [],
         "motion_sha256": motion_digest(clip.motion),
         "body_sha256": made_of["body"],

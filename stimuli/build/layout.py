@@ -8,6 +8,8 @@ same time.
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from stimuli.build.plan import ResolvedPairing
 from stimuli.build.spec import Pairing, SetSpec
 from stimuli.errors import InputError
@@ -25,6 +27,7 @@ class LaidOut:
     at: int  # clip frame in which frame i of the from motion (start-end), or the instant, stands
     transition: Transition
     mixed: tuple[int, int]  # first and last clip frame that the blend mixes
+    altered: int  # first clip frame that is not the from motion's own: held feet are eased in
 
 
 def frame_of_i(spec: SetSpec, anchor: int) -> int:
@@ -60,21 +63,22 @@ def lay_out(
     """
     pairing = resolved.pairing
     at = frame_of_i(spec, resolved.anchor)
-    frames = resolved.methods[method] if method is not None else length
-    assert frames is not None, "a clip is of a method or of a length"
+    assert (method is None) != (length is None), "a clip is of a method or of a length"
     a, i = _from_motion(pairing, library, at)
     b, j = _to_motion(spec, pairing, library, at)
     joined = transition(
         a, b, i, j,
         method=method or "geodesic", specification=spec.specification,
-        frames=frames, smooth=spec.smooth, foot_lock=spec.foot_lock,
+        frames=length, smooth=spec.smooth, foot_lock=spec.foot_lock,
     )  # fmt: skip
     start = i - at
     cut = joined.motion[start : start + spec.frames]
     if len(cut) < spec.frames:
         raise _too_few(pairing.to_clip, pairing.to_frame, "after", spec.frames - len(cut))
     first, last = joined.mixed
-    return LaidOut(cut, at, joined, (first - start, last - start))
+    same = np.all(joined.motion.rotations[:i] == a.rotations[:i], axis=(1, 2))
+    altered = first if same.all() else min(first, int(np.argmin(same)))
+    return LaidOut(cut, at, joined, (first - start, last - start), altered - start)
 
 
 def _from_motion(pairing: Pairing, library: Library, at: int) -> tuple[Motion, int]:

@@ -58,8 +58,10 @@ def view_axes(yaw: float, elevation: float) -> Floats:
     return np.stack([right, np.cross(back, right), back], axis=-1)
 
 
-def choose_camera(points: Floats, heading: float, at: Floats, look: Appearance) -> Camera:
-    """The camera of the look's view, which holds all `points` (..., 3).
+def choose_camera(
+    points: Floats, heading: float, at: Floats, look: Appearance, around: float = 0.0
+) -> Camera:
+    """The camera of the look's view, which holds all `points` (..., 3) and what is `around` them.
 
     The best view shows the figure at `at` (3,) as large as may be. InputError for an unknown view.
     """
@@ -70,14 +72,16 @@ def choose_camera(points: Floats, heading: float, at: Floats, look: Appearance) 
 
     def seen(name: str) -> tuple[float, Camera]:
         line, side, say = VIEWS[name]
-        camera = fit_camera(points, heading + line + side * azimuth, look)
+        camera = fit_camera(points, heading + line + side * azimuth, look, around)
         return say / float(camera.project(at, look.width, look.height)[1]), camera
 
     return max(map(seen, names), key=lambda candidate: candidate[0])[1]
 
 
-def fit_camera(points: Floats, yaw: float, look: Appearance) -> Camera:
+def fit_camera(points: Floats, yaw: float, look: Appearance, around: float = 0.0) -> Camera:
     """The nearest camera at an azimuth of `yaw` radians that holds all `points` (..., 3).
+
+    Balls of radius `around` metres about the points are held too.
 
     In the camera's axes a point is in frame when |x − cx| ≤ t (cz − z), t the tangent of half the
     horizontal angle: two linear bounds on (cx, cz), so that cz and the middle of cx follow at
@@ -85,15 +89,16 @@ def fit_camera(points: Floats, yaw: float, look: Appearance) -> Camera:
     """
     elevation = np.radians(look.elevation)
     axes = view_axes(yaw, elevation)
-    local = points.reshape(-1, 3) @ axes
+    local = axes.T.astype(points.dtype) @ points.reshape(-1, 3).T
     tangent = np.tan(np.radians(look.field_of_view) / 2) * (1 - 2 * look.margin)
     centres, backs = [], []
     for axis, slope in ((0, tangent * look.width / look.height), (1, tangent)):
-        upper = np.max(local[:, axis] + slope * local[:, 2])
-        lower = np.max(-local[:, axis] + slope * local[:, 2])
+        ball = around * np.hypot(1.0, slope)
+        upper = float(np.max(local[axis] + slope * local[2])) + ball
+        lower = float(np.max(slope * local[2] - local[axis])) + ball
         centres.append((upper - lower) / 2)
         backs.append((upper + lower) / 2 / slope)
-    back = max(*backs, float(local[:, 2].max()) + NEAREST)
+    back = max(*backs, float(local[2].max()) + NEAREST)
     place = axes @ np.array([*centres, back])
     x, y, z = (float(v) for v in np.round(place, DECIMALS))
     turn = round(float(np.arctan2(np.sin(yaw), np.cos(yaw))), 4)

@@ -6,12 +6,12 @@ from pathlib import Path
 import numpy as np
 
 from stimuli.motion.kinematics import headings
-from stimuli.motion.quaternions import Array
 from stimuli.motion.skeleton import Motion
 from stimuli.render.appearance import Appearance
 from stimuli.render.bodies import Body, bone_motion, make_body
 from stimuli.render.camera import Camera, choose_camera
 from stimuli.render.rig import moved
+from stimuli.render.shapes import Floats
 from stimuli.render.video import Frames, write_video
 
 EVERY = 23  # one vertex in so many is enough to know how far a body reaches
@@ -24,18 +24,17 @@ def group_camera(body: Body, motions: Sequence[Motion], look: Appearance, at: in
     Its angles count from the heading of the first motion at frame `at`, the transition.
     """
     reach = np.concatenate([outline(body, motion) for motion in motions])
-    spread = np.concatenate([reach + SKIN * sign for sign in (-1.0, 1.0)])
     facing = float(headings(motions[0][at : at + 1])[0])
-    return choose_camera(spread, facing, motions[0].root[at], look)
+    return choose_camera(reach, facing, motions[0].root[at], look, SKIN)
 
 
-def outline(body: Body, motion: Motion) -> Array:
+def outline(body: Body, motion: Motion) -> Floats:
     """(N, 3) points of the moving skin that tell how far it reaches."""
     weights, points, normals = (
         array[::EVERY] for array in (body.skin.weights, body.skin.points, body.skin.normals)
     )
     places = [moved(weights, bones, points, normals)[0] for bones in bone_motion(body, motion)]
-    return np.concatenate(places).astype(float)
+    return np.concatenate(places)
 
 
 def render_frames(
