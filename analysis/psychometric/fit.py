@@ -13,7 +13,7 @@ import numpy as np
 from analysis.errors import InputError
 from analysis.psychometric.counts import Counts
 from analysis.psychometric.functions import Array, Function, check_rates, function_named
-from analysis.psychometric.scoring import TINY, log_likelihood, maximise
+from analysis.psychometric.scoring import TINY, TOLERANCE, log_likelihood, maximise
 
 MAXIMUM_LAPSE = 0.1  # a free lapse rate stays below this (Wichmann and Hill 2001 hold it to .06)
 STEEPEST = 20.0  # bound on the change of η between neighbouring levels: beyond it, a step
@@ -100,7 +100,12 @@ class Batch:
 
 
 def fit_batch(
-    levels: Array, correct: Array, total: Array, what: Setting, falling: bool = False
+    levels: Array,
+    correct: Array,
+    total: Array,
+    what: Setting,
+    falling: bool = False,
+    tolerance: float = TOLERANCE,
 ) -> Batch:
     """Fit every row of `correct` and `total` (B, L) at the same `levels` (L,).
 
@@ -119,7 +124,7 @@ def fit_batch(
     def model(theta: Array, _: Array) -> tuple[Array, Array, Array]:
         return curve(scale.z, theta, what)
 
-    theta, value = maximise(model, start, lower, upper, correct, total)
+    theta, value = maximise(model, start, lower, upper, correct, total, tolerance)
     lapse = np.full(len(theta), what.lapse) if what.lapse is not None else theta[:, 2]
     return Batch(what, scale, theta[:, 0], theta[:, 1], lapse, value)
 

@@ -18,6 +18,7 @@ Model = Callable[[Array, Array], tuple[Array, Array, Array]]
 TINY = 1e-300
 ITERATIONS = 60
 TOLERANCE = 1e-8  # gain in log likelihood that a step must still promise
+ROUGH = 1e-5  # the same for resamples: a four-hundredth of a standard error or so
 
 
 def log_likelihood(p: Array, q: Array, correct: Array, total: Array) -> Array:
@@ -27,7 +28,13 @@ def log_likelihood(p: Array, q: Array, correct: Array, total: Array) -> Array:
 
 
 def maximise(
-    model: Model, start: Array, lower: Array, upper: Array, correct: Array, total: Array
+    model: Model,
+    start: Array,
+    lower: Array,
+    upper: Array,
+    correct: Array,
+    total: Array,
+    tolerance: float = TOLERANCE,
 ) -> tuple[Array, Array]:
     """Climb from `start` (B, P) within `lower`, `upper` (P,) or (B, P).
 
@@ -54,12 +61,17 @@ def maximise(
         better = found > value[active]
         theta[active[better]], value[active[better]] = tried[better], found[better]
         damping[active] = np.where(better, damping[active] * 0.2, damping[active] * 8 + 1e-6)
-        keep = (promise > TOLERANCE) & (damping[active] < 1e8)
+        keep = (promise > tolerance) & (damping[active] < 1e8)
         if not keep.any():
             break
-        p = np.where(better[:, None], p_new, p)[keep]
-        q = np.where(better[:, None], q_new, q)[keep]
-        jacobian = np.where(better[:, None, None], jacobian_new, jacobian)[keep]
+        worse = ~better
+        for new, old in ((p_new, p), (q_new, q), (jacobian_new, jacobian)):
+            new[worse] = old[worse]
+        p, q, jacobian = (
+            (p_new, q_new, jacobian_new)
+            if keep.all()
+            else (p_new[keep], q_new[keep], jacobian_new[keep])
+        )
         active = active[keep]
     return theta, value
 

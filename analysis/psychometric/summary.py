@@ -15,6 +15,7 @@ from analysis.psychometric.bootstrap import (
 from analysis.psychometric.counts import Counts
 from analysis.psychometric.fit import Batch, Setting, deviance, fit, fit_batch
 from analysis.psychometric.functions import Array, proportion
+from analysis.psychometric.scoring import ROUGH
 from analysis.psychometric.verdict import INTERVAL, judge, sentence
 
 INTERVALS = {
@@ -108,12 +109,17 @@ def summarise(
     rng = np.random.default_rng(0) if rng is None else rng
     pooled = data.pooled() if isinstance(data, PeopleCounts) else data
     fits = fit(pooled, what)
-    plain = _summaries(
-        pooled.levels, fits, pooled.correct[None], pooled.total[None], at, samples, rng
-    )[0]
+    table = (pooled.levels, fits, pooled.correct[None], pooled.total[None], at)
     if interval == "profile" or not samples:
-        return plain
-    again = _refit(data, pooled, fits, interval, samples, rng)
+        return _summaries(*table, samples, rng)[0]
+    if interval == "parametric":
+        # The sets that give the interval give the p of the deviance as well.
+        plain = _summaries(*table, 0, rng)[0]
+        again, lost = _refit_parametric(fits, table[3], samples, rng)
+        plain = replace(plain, deviance_p=_share_beyond(lost, np.array([plain.deviance]))[0])
+    else:
+        plain = _summaries(*table, samples, rng)[0]
+        again = _refit(data, pooled, fits, interval, samples, rng)
     thresholds = tuple(
         Threshold(each.at, each.value, *percentile_interval(again.threshold(each.at), INTERVAL))
         for each in plain.thresholds
@@ -181,11 +187,20 @@ def _refit(
 ) -> Batch:
     if isinstance(data, PeopleCounts) and interval == "people":
         correct, total = resample_people(data, samples, rng)
-    elif interval == "parametric":
-        correct, total = resample_parametric(fits, pooled.total[None], samples, rng)
     else:
         correct, total = resample_trials(pooled, samples, rng)
-    return fit_batch(pooled.levels, correct, total, fits.setting)
+    return fit_batch(pooled.levels, correct, total, fits.setting, tolerance=ROUGH)
+
+
+def _refit_parametric(
+    fits: Batch, total: Array, samples: int, rng: np.random.Generator
+) -> tuple[Batch, Array]:
+    """Fits of `samples` sets drawn from each of B fits, and their deviances (B, samples)."""
+    correct, drawn = resample_parametric(fits, total, samples, rng)
+    scale, function = fits.scale, fits.setting.function
+    levels = function.untransform(scale.centre + scale.half * scale.z)
+    again = fit_batch(levels, correct, drawn, fits.setting, tolerance=ROUGH)
+    return again, deviance(again, correct, drawn).reshape(len(total), samples)
 
 
 def deviance_p(
@@ -195,9 +210,10 @@ def deviance_p(
 
     The χ² approximation does not hold for few trials a level (Wichmann and Hill 2001, part I).
     """
-    correct, total = resample_parametric(fits, total, samples, rng)
-    scale, function = fits.scale, fits.setting.function
-    levels = function.untransform(scale.centre + scale.half * scale.z)
-    refitted = fit_batch(levels, correct, total, fits.setting)
-    simulated = deviance(refitted, correct, total).reshape(len(observed), samples)
-    return (1 + (simulated >= observed[:, None] - 1e-9).sum(1)) / (1 + samples)
+    return _share_beyond(_refit_parametric(fits, total, samples, rng)[1], observed)
+
+
+def _share_beyond(simulated: Array, observed: Array) -> Array:
+    """The simulated p (B,): the observed set counts as one of them."""
+    beyond = (simulated >= observed[:, None] - 1e-9).sum(1)
+    return (1.0 + beyond) / (1 + simulated.shape[1])
