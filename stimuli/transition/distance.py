@@ -15,7 +15,7 @@ from stimuli.motion.skeleton import Motion
 from stimuli.transition.kernel import fused_angles
 from stimuli.transition.weights import Weights, weighted_joints
 
-_MANY = 20_000_000  # cells times joints; below, loading the compiler costs more than it saves
+MANY = 20_000_000  # cells times joints; below, loading the compiler costs more than it saves
 
 
 def check_pair(a: Motion, b: Motion) -> None:
@@ -55,7 +55,7 @@ def squared_angles(p: Array, q: Array, weights: Array) -> npt.NDArray[np.floatin
 
     Many cells go through the compiled kernel, in single precision, to 1e-5 of the exact sum.
     """
-    if len(p) * len(q) * len(weights) > _MANY:
+    if len(p) * len(q) * len(weights) > MANY:
         return fused_angles(p, q, weights)
     return exact_angles(p, q, weights)
 
@@ -90,7 +90,7 @@ def cost_matrix(
     distance += np.square(a.root[:, None, 1] - b.root[None, :, 1])
     if velocity_weight:
         first, second = (velocity_features(m, joints, scale) for m in (a, b))
-        distance += velocity_weight * _squared_euclidean(first, second)
+        distance += velocity_weight * squared_euclidean(first, second)
     return distance
 
 
@@ -99,7 +99,7 @@ def root_cost(a: Motion, b: Motion, velocity_weight: float = 1.0) -> Array:
     check_pair(a, b)
     cost = np.square(a.root[:, None, 1] - b.root[None, :, 1])
     first, second = (velocity_features(m, [], np.empty(0)) for m in (a, b))
-    return np.asarray(cost + velocity_weight * _squared_euclidean(first, second))
+    return np.asarray(cost + velocity_weight * squared_euclidean(first, second))
 
 
 def velocity_features(motion: Motion, joints: list[int], weights: Array) -> Array:
@@ -112,10 +112,13 @@ def velocity_features(motion: Motion, joints: list[int], weights: Array) -> Arra
     return np.concatenate([root, angular.reshape(len(motion), -1)], axis=1)
 
 
-def _squared_euclidean(x: Array, y: Array) -> Array:
+def squared_euclidean(
+    x: npt.NDArray[np.floating], y: npt.NDArray[np.floating]
+) -> npt.NDArray[np.floating]:
     """‖x_i − y_j‖² (N, M) of rows."""
     squares = np.square(x).sum(axis=1)[:, None] + np.square(y).sum(axis=1)
-    return np.asarray(np.maximum(squares - 2.0 * x @ y.T, 0.0))
+    squares -= 2 * (x @ y.T)
+    return np.maximum(squares, 0, out=squares)
 
 
 def _headings(motion: Motion) -> Array:

@@ -50,6 +50,37 @@ def open_point(library: "Library", text: str) -> Point:
     return Point(clip, frame, motion, place)
 
 
+def open_all(motions: list[Path] | None, names: list[str]) -> list[list["Clip"]]:
+    """For each name, its clip, or all clips of a directory that have the first one's hierarchy.
+
+    Clips that are refused or of another hierarchy are named on standard error and left out.
+    """
+    import sys
+
+    from stimuli.errors import InputError
+    from stimuli.motion.library import clips_under
+
+    library, first, opened = open_library(motions), None, []
+    for name in names:
+        paths = clips_under(Path(name)) if Path(name).is_dir() else [library.find(name)]
+        clips = []
+        for path in paths:
+            try:
+                clip = library.load(path)
+            except InputError as error:
+                print(error, file=sys.stderr)
+                continue
+            first = first or clip
+            if clip.motion.skeleton.same_hierarchy(first.motion.skeleton):
+                clips.append(clip)
+            else:
+                print(f"{path}: another hierarchy than {first.name}: left out", file=sys.stderr)
+        if not clips:
+            raise InputError(f"{name}: expected motion clips, found none that can be used.")
+        opened.append(clips)
+    return opened
+
+
 def tell_warnings(*clips: "Clip") -> None:
     """Warnings of the clips, on standard error."""
     import sys

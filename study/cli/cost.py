@@ -11,8 +11,8 @@ if TYPE_CHECKING:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     from study.cli.common import add_motions_option
 
-    parser.add_argument("from_clip", metavar="A", help="clip to leave")
-    parser.add_argument("to_clip", metavar="B", help="clip to enter")
+    parser.add_argument("from_clip", metavar="A", help="clip to leave, or a directory of clips")
+    parser.add_argument("to_clip", metavar="B", help="clip to enter, or a directory of clips")
     parser.add_argument("--weights", default="wang", help="lee, wang or FILE of role = weight")
     parser.add_argument(
         "--velocity-weight", type=float, default=1.0, metavar="NU", help="ν, 1 by default"
@@ -22,6 +22,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--after", type=int, default=0, metavar="N", help="frames wanted after the transition"
+    )
+    parser.add_argument(
+        "--count", type=int, default=50, metavar="N", help="points wanted of whole directories"
     )
     parser.add_argument("--sigma", type=float, help="σ of the transition probabilities")
     parser.add_argument("--out", type=Path, metavar="cost.png", help="draw the matrix")
@@ -37,6 +40,8 @@ def run(args: argparse.Namespace) -> int:
     from study.cli.clips import open_library, tell_warnings
     from study.cli.common import print_json
 
+    if any(Path(name).is_dir() for name in (args.from_clip, args.to_clip)):
+        return _search(args)
     library = open_library(args.motions)
     a, b = library.load(args.from_clip), library.load(args.to_clip)
     tell_warnings(a, b)
@@ -60,6 +65,53 @@ def run(args: argparse.Namespace) -> int:
             print(f"{point.i:5d} → {point.j:<5d} {point.cost:.6f}")
         if len(minima) > 20:
             print(f"… and {len(minima) - 20} more local minima (--json lists them)")
+    return 0
+
+
+def _search(args: argparse.Namespace) -> int:
+    """The best transition points between whole directories, block by block."""
+    from stimuli.errors import InputError
+    from stimuli.transition.search import blocks, search
+    from stimuli.transition.weights import read_weights
+    from study.cli.clips import open_all
+    from study.cli.common import print_json, progress
+
+    if args.out or args.npz:
+        raise InputError("--out, --npz: expected two clips, found a directory; search prints.")
+    if args.count < 1:
+        raise InputError(f"--count: expected 1 or more, found {args.count}.")
+    a, b = open_all(args.motions, [args.from_clip, args.to_clip])
+    froms, tos = [clip.motion for clip in a], [clip.motion for clip in b]
+    with progress(blocks(froms, tos), "searching") as step:
+        found = search(
+            froms,
+            tos,
+            count=args.count,
+            weights=read_weights(args.weights),
+            velocity_weight=args.velocity_weight,
+            before=args.before,
+            after=args.after,
+            trivial=TRIVIAL,
+            progress=step,
+        )
+    listed = [
+        {
+            "from_clip": a[point.from_motion].name,
+            "from": point.i,
+            "to_clip": b[point.to_motion].name,
+            "to": point.j,
+            "cost": point.cost,
+        }
+        for point in found
+    ]
+    if args.json:
+        print_json({"frames": [sum(map(len, froms)), sum(map(len, tos))], "local_minima": listed})
+    else:
+        for entry in listed:
+            print(
+                f"{entry['from_clip']}:{entry['from']} → {entry['to_clip']}:{entry['to']}"
+                f"   {entry['cost']:.6f}"
+            )
     return 0
 
 
