@@ -1,0 +1,83 @@
+"""Weights from labelled transitions: known weights come back; leaving one out moves little."""
+
+import numpy as np
+import pytest
+
+from stimuli.errors import InputError
+from stimuli.transition.distance import cost_matrix, root_cost
+from stimuli.transition.fit import (
+    Labelled,
+    common_parts,
+    design_matrix,
+    fit_weights,
+    leave_one_out,
+    part_distances,
+    summary,
+)
+
+PARTS = ("shoulder", "elbow", "hip", "knee", "pelvis")
+
+
+def test_rows_are_position_plus_velocity_differences_of_both_sides(bodies):
+    a, b = bodies.wandering(30, 1), bodies.wandering(30, 2)
+    weights = {"hip": 1.0, "knee": 0.0901, "shoulder": 0.7884, "elbow": 0.0247}
+    distances = part_distances(a, b, tuple(weights))
+    total = root_cost(a, b) + np.tensordot(list(weights.values()), distances, axes=1)
+    assert np.allclose(total, cost_matrix(a, b, "wang"), atol=1e-12)
+    rows, labels = design_matrix([Labelled(a, b, 0, 29, True), Labelled(a, b, 9, 4, False)], PARTS)
+    whole = part_distances(a, b, PARTS)
+    assert np.allclose(rows, [whole[:, 0, 29], whole[:, 9, 4]])
+    assert labels.tolist() == [0.0, 1.0]
+
+
+def test_known_weights_come_back_from_their_own_costs():
+    rng = np.random.default_rng(0)
+    differences = rng.gamma(1.0, 0.3, (60, 5))
+    truth = np.array([0.8, 0.0, 1.0, 0.1, 0.0])
+    fit = fit_weights(differences, 0.5 * differences @ truth, PARTS)
+    assert np.allclose(fit.weights, truth, atol=1e-9)
+    assert fit.residual < 1e-12
+    roles = fit.by_role()
+    assert roles["left_hip"] == roles["right_hip"] == pytest.approx(1.0)
+
+
+def test_known_weights_come_back_from_simulated_labels():
+    rng = np.random.default_rng(1)
+    truth = np.array([0.8, 0.0, 1.0, 0.1, 0.0])
+    differences = rng.gamma(0.7, 0.4, (6000, 5))
+    cost = differences @ truth
+    labels = (rng.uniform(size=len(cost)) < np.clip(cost, 0, 1)).astype(float)
+    mild = cost < 1  # where the chance of being called bad is the cost itself
+    fit = fit_weights(differences[mild], labels[mild], PARTS)
+    assert np.abs(fit.weights - truth).max() < 0.12
+
+
+def test_leaving_one_out_moves_the_best_point_little(bodies):
+    rng = np.random.default_rng(2)
+    motions = [bodies.wandering(40, seed) for seed in range(4)]
+    labelled = []
+    for a, b in ((motions[0], motions[1]), (motions[1], motions[2])):
+        cost = cost_matrix(a, b)
+        for good, cells in (
+            (True, np.argwhere(cost < np.quantile(cost, 0.05))),
+            (False, np.argwhere(cost > np.quantile(cost, 0.6))),
+        ):
+            picked = rng.choice(cells, 8)
+            labelled += [Labelled(a, b, int(i), int(j), good) for i, j in picked]
+    told: list[int] = []
+    other = (motions[3], motions[0])
+    own, foreign = leave_one_out(labelled, PARTS, other=other, progress=told.append)
+    assert len(own) == len(foreign) == len(labelled) == told[-1]
+    assert summary(own)["median"] == 0
+    assert summary(foreign)["unmoved"] > len(labelled) / 2
+
+
+def test_labels_that_say_nothing_are_refused(bodies):
+    a = bodies.wandering(20, 1)
+    parts = common_parts([a])
+    assert set(PARTS) <= set(parts)
+    rows, labels = design_matrix([Labelled(a, a, 1, 9, True), Labelled(a, a, 2, 5, True)], parts)
+    with pytest.raises(InputError, match="one kind"):
+        fit_weights(rows, labels, parts)
+    with pytest.raises(InputError, match="differ"):
+        fit_weights(np.zeros((2, len(parts))), np.array([0.0, 1.0]), parts)
