@@ -73,7 +73,7 @@ def plan_group(spec: SetSpec, resolved: ResolvedPairing, library: Library) -> Pl
         for (method, _), clip in zip(kinds, laid, strict=True)
     )
     return PlannedGroup(
-        pairing.name, body, camera, clips, _group_document(resolved, library, camera)
+        pairing.name, body, camera, clips, _group_document(resolved, library, camera, body)
     )
 
 
@@ -108,7 +108,9 @@ def _planned(
     return PlannedClip(name, clip, document)
 
 
-def _group_document(resolved: ResolvedPairing, library: Library, camera: Camera) -> dict[str, Any]:
+def _group_document(
+    resolved: ResolvedPairing, library: Library, camera: Camera, body: Body
+) -> dict[str, Any]:
     pairing = resolved.pairing
 
     def source(name: str, frame: int) -> dict[str, Any]:
@@ -123,6 +125,12 @@ def _group_document(resolved: ResolvedPairing, library: Library, camera: Camera)
         "from": source(pairing.from_clip, pairing.from_frame),
         "to": source(pairing.to_clip, pairing.to_frame),
         "camera": asdict(camera),
+        "body": {
+            "sha256": body_digest(body),
+            "reference_frame": body.rig.reference.frame,
+            "neck_tilt": round(float(np.degrees(body.rig.reference.neck_tilt)), 2),
+            "head_pitch": round(float(np.degrees(body.rig.reference.head_pitch)), 2),
+        },
     }
 
 

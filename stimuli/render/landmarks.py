@@ -144,5 +144,5 @@ def _head(
     if "head" in roles and points["head"][1] > nape[1]:
         above = points["head"] - nape
         rise = np.clip(rise, above[1] + 0.025 * stature, above[1] + 0.100 * stature)
-        ahead = float(np.clip(above[2] + 0.008 * stature, 0, 0.03 * stature))
+        ahead = float(np.clip(above[2] + 0.014 * stature, 0.014 * stature, 0.032 * stature))
     return {"skull": nape + np.array([0.0, rise, ahead])}

@@ -14,6 +14,7 @@ from stimuli.motion import quaternions as quat
 from stimuli.motion.kinematics import forward, heading
 from stimuli.motion.quaternions import Array
 from stimuli.motion.skeleton import Motion, Skeleton
+from stimuli.render.posture import head_pitch, usual_posture
 
 ARM, THIGH, SHANK, TOES = np.radians([50.0, 7.0, 4.0, 8.0])
 STRAIGHT = np.radians(25.0)
@@ -28,6 +29,8 @@ class Reference:
     positions: Array  # (J, 3) metres
     orientations: Array  # (J, 4)
     frame: int  # the frame the pose was made from, -1 for the zero pose
+    neck_tilt: float  # radians, forwards from the trunk
+    head_pitch: float  # radians by which the head was lowered, for the face to be level usually
 
 
 def reference_pose(motion: Motion) -> Reference:
@@ -36,21 +39,30 @@ def reference_pose(motion: Motion) -> Reference:
     frame = -1 if _stands(skeleton) else _straightest(motion)
     local = _zero(skeleton) if frame < 0 else motion.rotations[frame]
     turned = _facing_front(skeleton, local)
+    head = skeleton.roles.get("head", 0)
+    usual = usual_posture(motion, head)
+    for role, rotation in usual.toes.items():
+        turned[skeleton.roles[role]] = rotation
     positions, orientations = forward(skeleton, turned, np.zeros(3))
-    posed = _swung(skeleton, positions, orientations)
+    posed = _swung(skeleton, positions, orientations, usual.neck_tilt)
     positions, orientations = forward(skeleton, posed, np.zeros(3))
+    pitch = head_pitch(usual, orientations[head]) if head else 0.0
+    if head:
+        orientations[head] = quat.multiply(quat.about("X", -pitch), orientations[head])
     left, right = skeleton.role("left_hip", "right_hip")
     middle = (positions[left] + positions[right]) / 2
-    return Reference(skeleton, positions - middle * [1, 0, 1], orientations, frame)
+    return Reference(
+        skeleton, positions - middle * [1, 0, 1], orientations, frame, usual.neck_tilt, pitch
+    )
 
 
-def targets() -> Mapping[str, tuple[str, Array]]:
+def targets(neck_tilt: float = 0.0) -> Mapping[str, tuple[str, Array]]:
     """Role → (role at the bone's other end, unit direction of the bone in the A-pose)."""
     up = np.array([0.0, 1.0, 0.0])
     table = {
         "spine": ("chest", up),
         "chest": ("neck", up),
-        "neck": ("head", np.array([0.0, np.cos(0.2), np.sin(0.2)])),
+        "neck": ("head", np.array([0.0, np.cos(neck_tilt), np.sin(neck_tilt)])),
     }
     for side, sign in (("left", 1.0), ("right", -1.0)):
         arm = np.array([sign * np.cos(ARM), -np.sin(ARM), 0.0])
@@ -113,11 +125,11 @@ def _straightest(motion: Motion) -> int:
     return int(frames[np.argmin(score)])
 
 
-def _swung(skeleton: Skeleton, positions: Array, orientations: Array) -> Array:
+def _swung(skeleton: Skeleton, positions: Array, orientations: Array, neck_tilt: float) -> Array:
     """(J, 4) local rotations in which each bone of `targets` points where it should."""
     bones = {
         skeleton.roles[role]: (skeleton.roles[other], wanted)
-        for role, (other, wanted) in targets().items()
+        for role, (other, wanted) in targets(neck_tilt).items()
         if role in skeleton.roles and other in skeleton.roles
     }
     for side, sign in (("left", 1.0), ("right", -1.0)):

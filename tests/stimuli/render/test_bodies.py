@@ -157,3 +157,20 @@ def _local(reference: object) -> np.ndarray:
     positions, _ = forward(skeleton, local, reference.positions[0])  # type: ignore[attr-defined]
     np.testing.assert_allclose(positions, reference.positions, atol=1e-9)  # type: ignore[attr-defined]
     return local
+
+
+@pytest.mark.parametrize("name", ["cmu", "accad"])
+def test_faces_are_level_and_toes_flat_in_the_usual_posture(name: str, motions: Path) -> None:
+    motion = load(motions / SKELETONS[name]).motion
+    reference = reference_pose(motion)
+    _, orientations = forward(motion.skeleton, motion.rotations, motion.root)
+    head = motion.skeleton.roles["head"]
+    turned = quat.multiply(orientations[:, head], quat.inverse(reference.orientations[head]))
+    face = quat.rotate(turned, np.array([0.0, 0.0, 1.0]))
+    assert abs(np.median(face[:, 1])) < 0.03
+    assert abs(reference.head_pitch) <= np.radians(20)
+    assert abs(reference.neck_tilt) <= np.radians(30)
+    toe, ankle = motion.skeleton.role("left_toe", "left_ankle")
+    usual = quat.multiply(quat.inverse(reference.orientations[ankle]), reference.orientations[toe])
+    between = quat.geodesic(motion.rotations[:, toe], usual)
+    assert np.median(between) < np.radians(10)
