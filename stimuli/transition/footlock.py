@@ -5,6 +5,8 @@ While it lasts, the foot's slide is summed up and taken back by two-bone inverse
 correction remains where a plant begins or ends fades over the neighbouring frames of swing.
 """
 
+from itertools import pairwise
+
 import numpy as np
 
 from stimuli.motion import quaternions as quat
@@ -15,6 +17,8 @@ from stimuli.transition.plants import SIDES, Contacts, LegPose, contacts, leg_po
 from stimuli.transition.window import Window
 
 EASE = 10  # frames over which a correction fades, fewer where the next plant is nearer
+SWING = 6  # frames that a foot is given between two plants, which are cut short for it
+FARTHEST = 0.30  # metres that a foot is moved at the most; beyond, it is held in part
 _BEYOND = 45  # frames after the blend within which a plant must end
 
 
@@ -63,13 +67,16 @@ def _corrections(pose: LegPose, carried: Contacts, start: int, end: int) -> Arra
 
 def _held(slide: Array, stands: np.ndarray, start: int, end: int) -> Array:
     """Corrections (N, 3) of one foot that take back its slide (N, 3) while it stands."""
-    plants = [(p, q) for p, q in runs(stands) if q >= start - 1 and p <= end + 1]
+    plants = [(p, q) for p, q in _parted(runs(stands)) if q >= start - 1 and p <= end + 1]
     shift = np.zeros_like(slide)
     for place, (begin, last) in enumerate(plants):
         begins = max(begin, start - 1)
         lasts = last if begin < start else min(last, end + 1)
         drift = np.cumsum(slide[begins : lasts + 1], axis=0) - slide[begins]
         correction = _anchored(drift, begin < start, last > end)
+        correction *= min(
+            1.0, FARTHEST / max(float(np.linalg.norm(correction, axis=1).max()), 1e-9)
+        )
         shift[begins : lasts + 1] += correction
         before = begin - plants[place - 1][1] - 1 if place else EASE
         after = plants[place + 1][0] - last - 1 if place + 1 < len(plants) else EASE
@@ -77,6 +84,16 @@ def _held(slide: Array, stands: np.ndarray, start: int, end: int) -> Array:
         if lasts == last:
             _fade(shift, correction[-1], lasts + 1, 1, min(after, EASE))
     return shift
+
+
+def _parted(plants: list[tuple[int, int]]) -> list[tuple[int, int]]:
+    """Plants (first, last) with facing ends cut back until a swing lies between; short ones go."""
+    parted = [list(plant) for plant in plants]
+    for one, other in pairwise(parted):
+        lacking = max(SWING - (other[0] - one[1] - 1), 0)
+        one[1] -= lacking // 2
+        other[0] += lacking - lacking // 2
+    return [(first, last) for first, last in parted if last > first]
 
 
 def _anchored(drift: Array, from_before: bool, to_after: bool) -> Array:

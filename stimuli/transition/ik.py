@@ -5,7 +5,7 @@ import numpy as np
 from stimuli.motion import quaternions as quat
 from stimuli.motion.quaternions import Array
 
-STRETCH = 0.9995  # of a leg's whole length: as far as it is straightened
+STRETCH = 0.998  # of a leg's whole length: as far as it is straightened; beyond, knees pop
 
 
 def reach_out(
@@ -20,8 +20,10 @@ def reach_out(
     upper, lower = np.linalg.norm(thigh, axis=-1), np.linalg.norm(shank, axis=-1)
     before = ankle - hip
     now = np.linalg.norm(before, axis=-1)
-    longest = np.maximum(STRETCH * (upper + lower), now)
-    wanted = np.clip(np.linalg.norm(target - hip, axis=-1), np.abs(upper - lower), longest)
+    room = np.maximum(STRETCH * (upper + lower) - now, 0.0)
+    change = np.linalg.norm(target - hip, axis=-1) - now
+    wanted = np.maximum(now + np.where(change > 0, _eased(change, room), change), upper - lower)
+    wanted = np.maximum(wanted, lower - upper)
     bend = _turn(hinge, _knee_angle(upper, lower, wanted) - _knee_angle(upper, lower, now))
     bent = thigh + quat.rotate(bend, shank)
     aim = between(bent, target - hip)
@@ -45,6 +47,12 @@ def bend_axis(thigh: Array, shank: Array, usual: Array) -> Array:
     length = np.maximum(np.linalg.norm(axis, axis=-1, keepdims=True), 1e-12)
     mixed = trusted * axis / length + (1 - trusted) * usual
     return np.asarray(mixed / np.maximum(np.linalg.norm(mixed, axis=-1, keepdims=True), 1e-12))
+
+
+def _eased(change: Array, room: Array) -> Array:
+    """A lengthening (N,) that never exceeds its room and hardly differs where that is ample."""
+    limit = np.maximum(room, 1e-9)
+    return np.asarray(change * limit / (np.abs(change) ** 4 + limit**4) ** 0.25)
 
 
 def _knee_angle(upper: Array, lower: Array, distance: Array) -> Array:

@@ -128,7 +128,7 @@ def _found(motion: Motion) -> Contacts:
         speed = np.linalg.norm(quat.linear_velocity(point), axis=-1)
         low = point[..., 1] < np.quantile(point[..., 1], 0.05, axis=0) + HEIGHT
         slow.append((speed * motion.fps < SPEED) & low)
-        speeds.append(speed + 1e-6)
+        speeds.append((speed + 1e-6) ** 2)
     stands = (slow[0] | slow[1]).T
     steady = np.stack([_without_flicker(side) for side in stands], axis=-1)
     return Contacts(steady, speeds[0] / (speeds[0] + speeds[1]))

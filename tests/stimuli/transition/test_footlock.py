@@ -1,0 +1,161 @@
+"""Standing feet stay put: a seeded selection of walks and runs, judged by a second detector.
+
+The detector here knows nothing of the one in `stimuli.transition.plants`: a point of the foot
+stands while it is low over its own lowest height and slow over the floor, ankle and toe each for
+themselves, in the source that weighs more.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stimuli.motion import Library, Motion, forward
+from stimuli.motion import quaternions as quat
+from stimuli.transition import Transition, measures, transition
+from stimuli.transition.ik import bend_axis, reach_out
+from stimuli.transition.lengthmap import length_map
+from stimuli.transition.plants import contacts, runs
+
+SEED = 20051
+WALKS = ("35_01", "35_02", "35_03", "35_04", "35_28", "16_15", "16_16", "16_21", "16_31", "16_58")
+RUNS = ("35_17", "35_18", "35_19", "35_20", "09_01", "09_02", "09_03", "09_04", "09_05", "09_06")
+TOGETHER = 24
+
+
+def feet(motion: Motion) -> np.ndarray:
+    """Positions (F, 4, 3) of both ankles and both toe joints."""
+    roles = motion.skeleton.roles
+    joints = [roles[f"{side}_{part}"] for part in ("ankle", "toe") for side in ("left", "right")]
+    return forward(motion.skeleton, motion.rotations, motion.root)[0][:, joints]
+
+
+def standing(points: np.ndarray) -> np.ndarray:
+    """Which of the points (F, 4) stand: below 6 cm over their lowest, slower than 0.15 m/s."""
+    speed = np.linalg.norm(np.gradient(points[..., [0, 2]], axis=0), axis=-1) * 30
+    return (points[..., 1] < points[..., 1].min(axis=0) + 0.06) & (speed < 0.15)
+
+
+def slides(done: Transition) -> np.ndarray:
+    """Millimetres a frame that standing points travel over the floor around the blend."""
+    a, b = done.sources
+    first, last = done.mixed
+    frames = np.arange(max(first - 1, 0), min(last + 2, len(done.motion)))
+    there = frames + len(b) - len(done.motion)
+    later = (frames > (first + last) / 2)[:, None]
+    stands = np.where(
+        later,
+        standing(feet(b))[np.clip(there, 0, len(b) - 1)],
+        standing(feet(a))[np.clip(frames, 0, len(a) - 1)],
+    )
+    steps = np.diff(feet(done.motion)[frames][..., [0, 2]], axis=0)
+    return 1000 * np.linalg.norm(steps, axis=-1)[stands[1:] & stands[:-1]]
+
+
+def around(done: Transition) -> slice:
+    return slice(max(done.mixed[0] - 15, 0), done.mixed[1] + 60)
+
+
+def accelerations(done: Transition) -> float:
+    positions, _ = forward(done.motion.skeleton, done.motion.rotations, done.motion.root)
+    return float(np.linalg.norm(np.diff(positions[around(done)], 2, axis=0), axis=-1).max())
+
+
+@pytest.fixture(scope="module")
+def selection(motions: Path) -> list[tuple[Transition, Transition]]:
+    """Each transition of the selection, unlocked and locked, at its geodesic length."""
+    library, rng = Library([motions / "cmu_bvh"]), np.random.default_rng(SEED)
+    done = []
+    for n in range(TOGETHER):
+        names = rng.choice(WALKS if n % 2 else RUNS, 2, replace=False)
+        a, b = (library.load(name).motion for name in names)
+        frames, _ = length_map(a, b)
+        i, j = rng.choice(np.argwhere((frames >= 5) & (frames <= 35)))
+        free, held = (transition(a, b, int(i), int(j), foot_lock=lock) for lock in (False, True))
+        done.append((free, held))
+    return done
+
+
+def test_standing_feet_do_not_slide(selection):
+    judged = [(slides(free), slides(held)) for free, held in selection]
+    free, held = np.array([(np.median(f), np.median(h)) for f, h in judged if len(f)]).T
+    assert len(free) > TOGETHER / 2
+    assert held.max() < 5
+    sliding = free > 8
+    assert sliding.any()
+    assert np.all(held[sliding] <= free[sliding] / 4)
+
+
+def test_the_lock_adds_no_pops(selection):
+    for free, held in selection:
+        assert accelerations(held) <= 1.5 * accelerations(free)
+
+
+def test_limbs_keep_their_lengths_and_knees_their_side(selection):
+    for free, held in selection:
+        skeleton = held.motion.skeleton
+        positions, _ = forward(skeleton, held.motion.rotations, held.motion.root)
+        parents = skeleton.parents[1:]
+        lengths = np.linalg.norm(positions[:, 1:] - positions[:, parents], axis=-1)
+        assert np.allclose(lengths, np.linalg.norm(skeleton.offsets[1:], axis=-1), atol=1e-9)
+        for side in ("left", "right"):
+            knee = skeleton.roles[f"{side}_knee"]
+            before, after = (quat.log(quat.shorter(m.motion.rotations[:, knee]))
+                             for m in (free, held))  # fmt: skip
+            bent = np.linalg.norm(before, axis=-1) > 0.1
+            cosine = np.einsum("fi,fi->f", before, after)[bent]
+            assert np.all(cosine > 0), side
+
+
+def test_the_foot_keeps_its_orientation_and_frames_far_away_are_untouched(selection):
+    for free, held in selection:
+        skeleton = held.motion.skeleton
+        ankles = [skeleton.roles["left_ankle"], skeleton.roles["right_ankle"]]
+        turned = [forward(skeleton, m.motion.rotations, m.motion.root)[1][:, ankles]
+                  for m in (free, held)]  # fmt: skip
+        assert quat.geodesic(*turned).max() < 1e-6
+        first = max(free.mixed[0] - 11, 0)
+        assert np.array_equal(free.motion.rotations[:first], held.motion.rotations[:first])
+
+
+def test_the_lock_lowers_the_measured_slide(selection):
+    slid = [
+        (measures(free)["foot_slide"], measures(held)["foot_slide"]) for free, held in selection
+    ]
+    assert sum(after for _, after in slid) < 0.5 * sum(before for before, _ in slid)
+
+
+def test_the_switch_is_off_by_default(bodies):
+    a, b = bodies.wandering(60, 1), bodies.wandering(60, 2)
+    plain = transition(a, b, 20, 30, frames=9)
+    again = transition(a, b, 20, 30, frames=9, foot_lock=False)
+    assert np.array_equal(plain.motion.rotations, again.motion.rotations)
+
+
+def test_two_bones_reach_what_is_within_reach_and_approach_the_rest():
+    rng = np.random.default_rng(0)
+    hip = np.zeros((200, 3))
+    knee = np.tile([0.0, -0.4, 0.02], (200, 1))
+    ankle = knee + rng.normal([0.0, -0.35, -0.1], 0.03, (200, 3))
+    target = ankle + rng.normal(0, 0.05, (200, 3))
+    usual = np.tile([1.0, 0.0, 0.0], (200, 1))
+    hinge = bend_axis(knee - hip, ankle - knee, usual)
+    thigh, shank = reach_out(hip, knee, ankle, target, hinge)
+    moved_knee = quat.rotate(thigh, knee - hip)
+    moved = moved_knee + quat.rotate(shank, ankle - knee)
+    longest = np.linalg.norm(knee, axis=1) + np.linalg.norm(ankle - knee, axis=1)
+    within = np.linalg.norm(target, axis=1) < 0.999 * longest
+    assert within.sum() > 100
+    assert np.allclose(moved[within], target[within], atol=1e-9)
+    away = np.einsum("fi,fi->f", moved[~within], target[~within])
+    size = np.linalg.norm(moved[~within], axis=1) * np.linalg.norm(target[~within], axis=1)
+    assert np.allclose(away / size, 1.0)
+
+
+def test_plants_of_a_walk_last_as_long_as_steps_do(motions):
+    walk = Library([motions / "cmu_bvh"]).load("35_01").motion
+    for side in (0, 1):
+        inner = [last - first + 1 for first, last in runs(contacts(walk).stands[:, side])
+                 if first > 0 and last < len(walk) - 1]  # fmt: skip
+        assert inner
+        assert all(12 <= frames <= 26 for frames in inner)
