@@ -213,7 +213,6 @@ def _open_window(
     request: Request, plan: Plan, task: Task, manifest: "Manifest", flip_log: Path
 ) -> Stage:
     from stimuli.build.video import decode
-
     from study.screen.clips import ClipCache
     from study.screen.window import Look, WindowStage
 

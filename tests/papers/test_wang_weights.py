@@ -8,9 +8,9 @@ those sums and his F values; his data themselves are not printed.
 from pathlib import Path
 
 import pytest
-from tests.analysis import records
 
 from analysis.report import write_report
+from tests.analysis import records
 
 # Twenty-six people, thirteen in each order; a digit is a rating.
 REALISM = {"lee": "42222232432425532115333223", "wang": "54323244442434243543444424"}
