@@ -220,7 +220,7 @@ def _present(register: pd.DataFrame, study: Study) -> pd.DataFrame:
     ids = register["participant_id"].astype(str).str.removeprefix("sub-")
     present = {(str(_home(s.path)), s.participant.partition("@")[0]) for s in study.sessions}
     kept = [key in present for key in zip(register["home"], ids, strict=True)]
-    return register[kept].drop(columns="home")
+    return register.loc[kept].drop(columns="home")
 
 
 def _told_apart(sessions: list[Session]) -> list[Session]:

@@ -141,14 +141,21 @@ class Difference:
         }
 
 
-def differences(trials: pd.DataFrame, what: Setting) -> list[Difference]:
+# What is compared: the column that splits the trials, and the columns that are kept apart.
+SPLITS = {
+    "motions": ("motion", ["specification", "track"]),
+    "sides": ("track", ["specification"]),
+    "specifications": ("specification", ["track"]),
+}
+
+
+def differences(
+    trials: pd.DataFrame, what: Setting, splits: tuple[str, ...] = tuple(SPLITS)
+) -> list[Difference]:
     """Tests between motions (each side apart), sides, and specifications (each side apart)."""
     found = []
-    for between, column, apart in (
-        ("motions", "motion", ["specification", "track"]),
-        ("sides", "track", ["specification"]),
-        ("specifications", "specification", ["track"]),
-    ):
+    for between in splits:
+        column, apart = SPLITS[between]
         for key, part in trials.groupby(apart, sort=True):
             groups = {str(name): _counts(own) for name, own in part.groupby(column, sort=True)}
             if len(groups) > 1:

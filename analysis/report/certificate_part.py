@@ -32,7 +32,7 @@ def certificate_section(context: Context) -> Section:
             "What the design can show",
             text=(
                 "There is no certificate of this protocol: bias and coverage of its estimates "
-                "under its own staircase are not known. `segue certify` simulates them.",
+                "under its own staircase are not known. “segue certify” simulates them.",
             ),
         )
     told = [

@@ -73,7 +73,9 @@ def _rows(entry: Supplement) -> list[dict[str, Any]]:
     return rows
 
 
-def difference_section(context: Context, tests: list[Difference]) -> Section:
+def difference_section(
+    context: Context, tests: list[Difference], stem: str | None = None
+) -> Section:
     """Whether motions, sides and specifications share one psychometric function."""
     findings = tuple(_difference(test, context.alpha) for test in tests)
     data = pd.DataFrame([test.as_dict() for test in tests])
@@ -91,7 +93,9 @@ def difference_section(context: Context, tests: list[Difference]) -> Section:
         "Likelihood-ratio tests of one function against one for each group. They take trials as "
         "independent: where people differ, a p just below α is weak evidence."
     )
-    table = Table(f"{context.stem}-differences", "Is the function the same?", data, shown, note)
+    table = Table(
+        f"{stem or context.stem}-differences", "Is the function the same?", data, shown, note
+    )
     return Section("Differences", findings=findings, tables=(table,))
 
 

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from analysis.files import write_atomic
-from analysis.record import Study, read
+from analysis.record import read
+from analysis.report.across import across, document_of
 from analysis.report.certificate_part import certificate_section, certificates
 from analysis.report.context import Context, Report
 from analysis.report.methods_part import asked_section, methods_section
@@ -62,15 +63,18 @@ def write_report(
     studies, notes = read(data)
     out = out or (data[0] if data[0].is_dir() else data[0].parent) / "derivatives" / "segue"
     known = certificates(data)
-    reports = [report_of(study, seed, second_opinion, known) for study in studies]
-    document = {"studies": [report.document for report in reports], "unread": notes}
+    contexts = [Context(study, screen(study), seed, second_opinion, known) for study in studies]
+    reports = [report_of(context) for context in contexts]
+    tests, section = across(contexts)
+    document = {
+        "studies": [report.document for report in reports],
+        "across": document_of(tests),
+        "unread": notes,
+    }
+    if section is not None:
+        reports.append(_across_report(section))
     for report in reports:
-        for section in report.sections:
-            for figure in section.figures:
-                write_atomic(out / "figures" / f"{_stem(figure.name)}.svg", figure.svg)
-            for table in section.tables:
-                content = table.data.to_csv(index=False, lineterminator="\n")
-                write_atomic(out / "tables" / f"{_stem(table.name)}.csv", content)
+        _write_parts(report, out)
     text = json.dumps(clean(document), indent=2, ensure_ascii=False, allow_nan=False)
     write_atomic(out / "report.json", text + "\n")
     page = out / "report.html"
@@ -78,14 +82,30 @@ def write_report(
     return Written(page, document)
 
 
-def report_of(
-    study: Study,
-    seed: int = 0,
-    second_opinion: bool = False,
-    certificates: dict[str, Any] | None = None,
-) -> StudyReport:
-    """Analyse one study; `certificates` are entries of certificate.json by protocol hash."""
-    context = Context(study, screen(study), seed, second_opinion, certificates or {})
+def _write_parts(report: StudyReport, out: Path) -> None:
+    """The figures and tables of a study, each a file."""
+    for section in report.sections:
+        for figure in section.figures:
+            write_atomic(out / "figures" / f"{_stem(figure.name)}.svg", figure.svg)
+        for table in section.tables:
+            content = table.data.to_csv(index=False, lineterminator="\n")
+            write_atomic(out / "tables" / f"{_stem(table.name)}.csv", content)
+
+
+def _across_report(section: Section) -> StudyReport:
+    return StudyReport(
+        name="across the studies",
+        title="Across the studies",
+        subtitle="what no study says alone",
+        warnings=(),
+        sections=(section,),
+        document={"trials": 0},
+    )
+
+
+def report_of(context: Context) -> StudyReport:
+    """Analyse one study."""
+    study = context.study
     main = context.screened.main
     findings = TASKS[study.task](context) if len(main) else _nothing(context)
     published = published_section(context, findings.document)
@@ -177,7 +197,8 @@ def render(reports: list[StudyReport], notes: list[str]) -> str:
     )
     environment.filters["drawn"] = Markup
     trials = sum(report.document["trials"] for report in reports)
-    subtitle = f"{count(len(reports), 'study', 'studies')}, {count(trials, 'trial')} analysed"
+    studies = sum("protocol" in report.document for report in reports)
+    subtitle = f"{count(studies, 'study', 'studies')}, {count(trials, 'trial')} analysed"
     if notes:
         subtitle += f"; {count(len(notes), 'file')} could not be read (named in report.json)"
     return environment.get_template("page.html").render(

@@ -1,0 +1,146 @@
+"""`segue certify`: figures of a design, and the report that quotes them."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from analysis.certificate import difference_power, fewest, preference_power
+from analysis.design import balance, telltale
+from analysis.report import write_report
+from study.cli import main
+from tests.analysis import records
+
+PROTOCOL = """
+name = "small"
+task = "{task}"
+participants = 3
+{methods}
+[stimuli]
+specification = "center-aligned"
+{stimuli}
+motions = [{{ name = "one", from = "a", to = "b" }}, {{ name = "two", from = "b", to = "a" }}]
+[sets.sample]
+a = {{ clip = "x", frame = 0 }}
+b = {{ clip = "y", frame = 0 }}
+{more}
+"""
+ODD_PAIR = PROTOCOL.format(
+    task="odd-pair",
+    methods="",
+    stimuli="reference = 10\nshorter = [2, 4, 6, 8]\nlonger = [2, 4, 6, 8, 10, 12]",
+    more="""
+[staircase]
+rule = "levitt"
+stop = { visits = 6 }
+[observer]
+shorter = -5
+longer = 7
+slope = 0.8
+""",
+)
+PREFERENCE = PROTOCOL.format(
+    task="preference",
+    methods='methods = ["geodesic", "fixed"]',
+    stimuli="",
+    more="[observer]\nprefer = { geodesic = 0.8, fixed = 0.2 }\n",
+)
+
+
+def certified(text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> dict:
+    protocol = tmp_path / "small.toml"
+    protocol.write_text(text)
+    options = ["--sets", "2", "--workers", "1", "--out", str(tmp_path / "certificate.json")]
+    assert main(["certify", str(protocol), "--json", *options]) == 0
+    return json.loads(capsys.readouterr().out)
+
+
+def test_odd_pair(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    entry = certified(ODD_PAIR, tmp_path, capsys)
+    assert {"trials", "minutes", "balance", "staircases", "convergence", "thresholds", "power",
+            "recommended_participants"} <= set(entry)  # fmt: skip
+    assert entry["minutes"]["mean"] > 1
+    assert [(row["motion"], row["side"]) for row in entry["staircases"]] == [
+        ("one", "shorter"), ("one", "longer"), ("two", "shorter"), ("two", "longer"),
+    ]  # fmt: skip
+    assert all(0.6 < row["target"] < 0.8 for row in entry["staircases"])
+    assert [row["side"] for row in entry["thresholds"]] == ["shorter", "longer"]
+    written = json.loads((tmp_path / "certificate.json").read_text())
+    assert written[entry["protocol_hash"]] == entry
+
+
+def test_preference(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    entry = certified(PREFERENCE, tmp_path, capsys)
+    assert set(entry["finds"]) == {"chi2", "mixed_model"}
+    assert set(entry["balance"]) == {"geodesic first", "fixed first"}
+
+
+def test_certificates_of_other_protocols_stay(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "certificate.json").write_text('{"other": {"protocol": "x"}}')
+    entry = certified(PREFERENCE, tmp_path, capsys)
+    written = json.loads((tmp_path / "certificate.json").read_text())
+    assert set(written) == {"other", entry["protocol_hash"]}
+
+
+def test_the_report_quotes_the_certificate(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    entry = certified(ODD_PAIR, tmp_path, capsys)
+    rng = np.random.default_rng(0)
+    data = tmp_path / "data"
+    rows = {"a": records.odd_pair_rows(rng), "b": records.odd_pair_rows(rng)}
+    records.write_dataset(
+        data, records.odd_pair_protocol(), rows, ProtocolHash=entry["protocol_hash"]
+    )
+    written = write_report([data])
+    assert written.document["studies"][0]["certificate"] == entry
+    assert "Certified before the data (2 simulated studies" in written.page.read_text()
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--sets", "1"], "--sets and --participants"),
+        (["--stimuli", "nowhere"], "expected a stimulus set"),
+    ],
+)
+def test_refusals(
+    options: list[str], message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    protocol = tmp_path / "small.toml"
+    protocol.write_text(PREFERENCE)
+    base = ["certify", str(protocol), "--sets", "2", "--workers", "1"]
+    assert main([*base, "--out", str(tmp_path / "c.json"), *options]) == 2
+    assert message in capsys.readouterr().err
+
+
+def test_clips_that_position_gives_away_are_named() -> None:
+    clips = [
+        {"motion": "walk", "length": 4, "measures": {"displacement_after": 0.11}},
+        {"motion": "walk", "length": 6, "measures": {"displacement_after": 0.01}},
+        {"motion": "walk", "length": 8, "measures": {}},
+    ]
+    (told,) = telltale(clips)
+    assert "walk, length 4: the figure ends 11 cm" in told
+
+
+def test_balance_within_sessions() -> None:
+    table = pd.DataFrame(
+        {"participant": ["a", "a", "b", "b"], "first_method": ["x", "x", "x", "y"]}
+    )
+    assert balance(table)["x first"] == {"share": 0.75, "least": 0.5, "most": 1.0}
+
+
+def test_power_grows_with_people_and_effect() -> None:
+    few = difference_power(2, 0.6, 12, 12, 0.05)
+    assert few < difference_power(2, 0.6, 12, 24, 0.05)
+    assert difference_power(0, 0.6, 12, 12, 0.05) == pytest.approx(0.05)
+    rng = np.random.default_rng(0)
+    assert preference_power(0.5, 35, 8, 0.05, 0.3, rng, 1500) == pytest.approx(0.05, abs=0.02)
+    assert preference_power(0.75, 35, 8, 0.05, 0.3, rng) > 0.95
+    assert fewest({6: 0.5, 12: 0.85, 24: 0.9}) == 12
+    assert fewest({6: 0.5}) is None
