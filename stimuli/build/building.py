@@ -128,7 +128,10 @@ def _built(
         progress(finished, len(jobs))
 
     if jobs:
-        render_all(list(jobs.values()), workers, done)
+        try:
+            render_all(list(jobs.values()), workers, done)
+        finally:
+            _tidy(out)
     document = _document(spec, groups, out)
     text = json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
     path = out / NAME
@@ -138,7 +141,7 @@ def _built(
 
 
 def _tidy(out: Path) -> None:
-    """Remove what a killed build left half-written; the lock is held, so nobody is writing."""
+    """Remove what an ended build left half-written; the lock is held, so nobody is writing."""
     for folder in (out, out / CLIPS):
         for path in folder.glob(".*.part*"):
             path.unlink(missing_ok=True)

@@ -177,6 +177,7 @@ def test_a_failing_worker_is_told_and_leaves_no_manifest(
     with pytest.raises(RuntimeError, match=blocked.name):
         build(spec, library, out, workers=1)
     assert not (out / "manifest.json").exists()
+    assert not list(out.rglob("*.part*"))
 
 
 def test_damaged_or_absent_manifests_are_refused(out: Path) -> None:
