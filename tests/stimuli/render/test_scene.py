@@ -14,10 +14,14 @@ DRAW = """
 import hashlib, json, sys
 import numpy as np
 from stimuli.motion import walker
-from stimuli.render import Appearance, render_frames
+from pathlib import Path
+from stimuli.render import Appearance, decode, render_frames, write_clip
 look = Appearance(**json.loads(sys.argv[2]))
 frames = np.array(list(render_frames(walker(0)[:3], look)))
 np.save(sys.argv[1], frames)
+clip = Path(sys.argv[1]).with_suffix(".mkv")
+assert write_clip(walker(0)[:3], clip, look) == 3
+np.testing.assert_array_equal(decode(clip), frames)
 assert "psychopy" not in sys.modules
 """
 
@@ -42,7 +46,9 @@ def drawn(tmp_path_factory: pytest.TempPathFactory) -> np.ndarray:
     return pictures(tmp_path_factory.mktemp("drawn"))
 
 
-def test_another_process_draws_the_same_bytes(drawn: np.ndarray, tmp_path: Path) -> None:
+def test_another_process_draws_the_same_bytes_and_writes_them_to_its_clip(
+    drawn: np.ndarray, tmp_path: Path
+) -> None:
     again = draw(tmp_path, "second", width=160, height=120, body="parts")
     np.testing.assert_array_equal(again, drawn)
 
