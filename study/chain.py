@@ -60,10 +60,13 @@ def _reachable(rule: Rule) -> Sequence[Any]:
 
 
 def _solve(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The left eigenvector of a stochastic matrix for eigenvalue one, as a distribution."""
-    size = len(matrix)
-    system = np.vstack([matrix.T - np.eye(size), np.ones(size)])
-    target = np.zeros(size + 1)
+    """The left eigenvector of a stochastic matrix for eigenvalue one, as a distribution.
+
+    One balance equation follows from the others; the sum of one takes its place.
+    """
+    system = matrix.T - np.eye(len(matrix))
+    system[-1] = 1.0
+    target = np.zeros(len(matrix))
     target[-1] = 1.0
-    solution = np.linalg.lstsq(system, target, rcond=None)[0]
-    return np.clip(solution, 0.0, None) / np.clip(solution, 0.0, None).sum()
+    solution = np.clip(np.linalg.solve(system, target), 0.0, None)
+    return solution / solution.sum()

@@ -112,7 +112,12 @@ def _rehearse(
     ]  # fmt: skip
     place: Any = nullcontext() if has_screen() else virtual_screen()
     with place:
-        subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+    for line in done.stderr.splitlines():
+        if not line.startswith("Xlib:"):  # the X library's own chatter about a virtual screen
+            _say(line)
+    if done.returncode != 0:
+        raise RuntimeError(f"the rehearsal stopped with exit code {done.returncode}")
 
 
 def _simulate(directories: list[Path], data: Path, seed: int) -> None:

@@ -20,7 +20,7 @@ def virtual_screen(width: int = 1280, height: int = 800) -> Iterator[str]:
     read, write = os.pipe()
     server = subprocess.Popen(
         ["Xvfb", "-displayfd", str(write), "-screen", "0", f"{width}x{height}x24", "-nolisten",
-         "tcp", "+extension", "GLX"],
+         "tcp", "-noreset", "+extension", "GLX"],
         pass_fds=(write,),
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
