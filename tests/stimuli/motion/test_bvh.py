@@ -1,0 +1,202 @@
+"""BVH in and out: what is written reads back; whatever is read is a motion or a refusal."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from stimuli.errors import InputError
+from stimuli.motion import Motion, forward, load
+from stimuli.motion import quaternions as quat
+from stimuli.motion.formats.bvh import read_bvh
+from stimuli.motion.formats.bvh_write import write_bvh
+from stimuli.motion.formats.numbers import parse_numbers, plain_decimals
+
+PATH = Path("clip.bvh")
+HEAD = """HIERARCHY
+ROOT Hips
+{
+  OFFSET 0 0 0
+  CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
+  JOINT Knee
+  {
+    OFFSET 0 -40 0
+    CHANNELS 3 Zrotation Xrotation Yrotation
+    End Site
+    {
+      OFFSET 0 -40 0
+    }
+  }
+}
+MOTION
+"""
+TWO = HEAD + "Frames: 2\nFrame Time: 0.033333\n" + "1 90 2 10 20 30 1 2 3\n" * 2
+
+
+def read(text: str):
+    return read_bvh(PATH, text.encode())
+
+
+def order_of(back: Motion, motion: Motion) -> list[int]:
+    """Where a motion's joints are in one read back, whose joints go depth first."""
+    return [back.skeleton.names.index(name) for name in motion.skeleton.names]
+
+
+def largest_angle(motion: Motion, back: Motion) -> float:
+    """Degrees between corresponding joint rotations."""
+    there = back.rotations[:, order_of(back, motion)]
+    return float(np.degrees(2 * quat.geodesic(motion.rotations, there).max()))
+
+
+def test_a_motion_written_reads_back_to_1e_4_degrees(bodies, tmp_path):
+    motion = bodies.wandering(40, 1)
+    write_bvh(motion, tmp_path / "out.bvh")
+    back = load(tmp_path / "out.bvh", scale=0.01)
+    assert back.joints == len(motion.skeleton)
+    assert back.fps == 30.0
+    assert largest_angle(motion, back.motion) < 1e-4
+    assert np.abs(motion.root - back.motion.root).max() < 1e-6
+    order = order_of(back.motion, motion)
+    assert np.allclose(back.motion.skeleton.offsets[order], motion.skeleton.offsets, atol=1e-8)
+    assert len(back.motion.skeleton.end_offsets) == len(motion.skeleton.end_offsets)
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["cmu_bvh/05_13.bvh", "accad_male1_bvh/Male1_A8_CrouchToLie.bvh", "cmu_asfamc/16_41.amc",
+     "other_bvh/rokoko_jesse_dance.bvh", "other_bvh/reactidle_003_genuine.bvh",
+     "other_bvh/cmu_daz_salsa_13.bvh"],
+)  # fmt: skip
+def test_captured_motions_written_read_back(motions, tmp_path, name):
+    clip = load(motions / name)
+    write_bvh(clip.motion, tmp_path / "out.bvh")
+    back = load(tmp_path / "out.bvh", scale=0.01, up="Y").motion
+    assert largest_angle(clip.motion, back) < 1e-4
+    p, _ = forward(clip.motion.skeleton, clip.motion.rotations, clip.motion.root)
+    q, _ = forward(back.skeleton, back.rotations, back.root)
+    assert np.abs(p - q[:, order_of(back, clip.motion)]).max() < 1e-5
+
+
+def test_gimbal_lock_is_written_and_read_back(bodies, tmp_path):
+    motion = bodies.standing(60)
+    rotations = motion.rotations.copy()
+    rng = np.random.default_rng(0)
+    angles = rng.uniform(-3, 3, (60, len(motion.skeleton), 3))
+    angles[..., 1] = np.pi / 2 - rng.choice([0.0, 1e-9, 1e-6, 1e-3], angles.shape[:2])
+    rotations[:] = quat.from_euler(angles, "ZYX")
+    locked = Motion(motion.skeleton, rotations, motion.root)
+    write_bvh(locked, tmp_path / "out.bvh")
+    assert largest_angle(locked, load(tmp_path / "out.bvh", scale=0.01).motion) < 1e-4
+
+
+def test_other_readers_read_what_is_written(bodies, tmp_path):
+    pybvh = pytest.importorskip("pybvh")
+    motion = bodies.wandering(10, 2)
+    write_bvh(motion, tmp_path / "out.bvh")
+    theirs = pybvh.read_bvh_file(str(tmp_path / "out.bvh"))
+    assert theirs.frame_count == 10
+
+
+def test_channels_apply_in_their_own_order_and_positions_replace_the_offset():
+    source = read(TWO)
+    expected = quat.from_euler(np.radians([[10.0, 20.0, 30.0]]), "ZXY")
+    assert np.allclose(source.rotations[0, 0], expected)
+    assert np.allclose(source.root, [[1, 90, 2]] * 2)
+    moved = TWO.replace("CHANNELS 3 Z", "CHANNELS 6 Xposition Yposition Zposition Z")
+    moved = moved.replace("1 2 3\n", "5 -41 0 1 2 3\n")
+    assert np.allclose(read(moved).offsets[1], [5, -41, 0])
+    varied = moved.replace("5 -41 0", "5 -43 0", 1)
+    assert np.allclose(read(varied).offsets[1], [5, -42, 0])
+    assert np.isclose(read(varied).strays["Knee"], 1.0)
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (("Frames: 2", "Frames: 1000000000"), "1000000000 frames"),
+        (("Frames: 2", "Frames: " + "9" * 400), "frames"),
+        (("Frames: 2", "Frames: many"), "Frames:"),
+        (("Frames: 2", "Frames: 0"), "at least one frame"),
+        (("0.033333", "nan"), "frame time"),
+        (("0.033333", "-1"), "frame time"),
+        (("90", "nan"), "nan"),
+        (("90", "1e999"), "1e999"),
+        (("90", "0x10"), "0x10"),
+        (("90", "ninety"), "clip.bvh:19"),
+        (("CHANNELS 3", "CHANNELS x"), "CHANNELS"),
+        (("Xrotation Yrotation\n  J", "Xrotation Xrotation\n  J"), "CHANNELS"),
+        (("OFFSET 0 -40 0", "OFFSET 0 -40"), "OFFSET"),
+        (("JOINT Knee\n", ""), "out of place"),
+        (("ROOT", "TRUNK"), "out of place"),
+    ],
+)
+def test_faults_are_named(change, told):
+    with pytest.raises(InputError) as caught:
+        read(TWO.replace(*change, 1))
+    assert told in str(caught.value)
+    assert len(str(caught.value).splitlines()) <= 2
+
+
+def test_deep_and_wide_hierarchies_are_refused_quickly():
+    deep = "HIERARCHY\nROOT a\n{\n" + "JOINT b\n{\nOFFSET 0 1 0\n" * 100_000 + "MOTION\n"
+    with pytest.raises(InputError, match="2000"):
+        read(deep)
+
+
+@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(st.binary(max_size=400))
+def test_any_bytes_are_a_refusal(data):
+    with pytest.raises(InputError):
+        read_bvh(PATH, data)
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.data())
+def test_a_damaged_file_is_a_motion_or_a_refusal(data):
+    text = TWO
+    for _ in range(data.draw(st.integers(1, 4))):
+        start = data.draw(st.integers(0, len(text)))
+        end = data.draw(st.integers(start, min(start + 12, len(text))))
+        text = (
+            text[:start]
+            + data.draw(st.text("0123456789.-e{} \nZXJOINTxyz", max_size=6))
+            + text[end:]
+        )
+    try:
+        source = read(text)
+    except InputError:
+        return
+    assert np.all(np.isfinite(source.rotations))
+    assert np.all(np.isfinite(source.root))
+    assert np.allclose(np.linalg.norm(source.rotations, axis=-1), 1.0)
+
+
+decimals = st.floats(-1e7, 1e7, allow_nan=False)
+
+
+@given(st.lists(decimals, min_size=1, max_size=200), st.integers(0, 9), st.sampled_from(" \n\t"))
+def test_plain_decimals_are_what_python_reads(values, digits, gap):
+    words = [f"{value:.{digits}f}" for value in values]
+    text = gap.join(words)
+    found = parse_numbers(PATH, text, 0)
+    assert found.tolist() == [float(word) for word in words]
+
+
+@given(st.lists(st.floats(allow_nan=False, allow_infinity=False, max_value=1e8, min_value=-1e8),
+                min_size=1, max_size=50))  # fmt: skip
+def test_any_notation_is_what_python_reads(values):
+    found = parse_numbers(PATH, " ".join(repr(value) for value in values), 0)
+    assert np.allclose(found, values, rtol=1e-15, atol=0)
+
+
+@pytest.mark.parametrize("text", ["1e3", "1.2.3", "+5", "1-2", "12345678901234567", "é", "."])
+def test_what_is_no_plain_decimal_is_left_to_the_general_parser(text):
+    assert plain_decimals(text) is None
+
+
+def test_blocks_of_numbers_meet_without_a_seam():
+    values = np.round(np.random.default_rng(0).normal(0, 50, 30_000), 4)
+    text = " ".join(f"{value:.4f}" for value in values)
+    assert np.array_equal(plain_decimals(text), values)

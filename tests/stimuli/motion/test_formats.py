@@ -1,0 +1,230 @@
+"""Acclaim and DeepMimic, and what is refused with a way out."""
+
+import json
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from stimuli.errors import InputError
+from stimuli.motion import forward, load
+from stimuli.motion import quaternions as quat
+from stimuli.motion.formats.deepmimic import read_deepmimic
+
+ASF = """:version 1.10
+:units
+  mass 1.0
+  length 1.0
+  angle deg
+:root
+   order TX TY TZ RX RY RZ
+   axis XYZ
+   position 0 0 0
+   orientation 0 0 0
+:bonedata
+  begin
+     id 1
+     name thigh
+     direction 0 -1 0
+     length 2.0
+     axis 0 0 30 XYZ
+    dof rx ry rz
+  end
+  begin
+     id 2
+     name shin
+     direction 0 -1 0
+     length 3.0
+     axis 0 0 0 XYZ
+    dof rx
+  end
+:hierarchy
+  begin
+    root thigh
+    thigh shin
+  end
+"""
+AMC = """:FULLY-SPECIFIED
+:DEGREES
+1
+root 1 5 2 0 90 0
+thigh 10 20 30
+shin 45
+2
+root 1 5 2 0 90 0
+thigh 10 20 30
+shin 45
+"""
+
+
+@pytest.fixture
+def acclaim(tmp_path):
+    """Writes an ASF and an AMC; returns the AMC's path."""
+
+    def write(asf: str = ASF, amc: str = AMC, name: str = "07_01"):
+        (tmp_path / "07.asf").write_text(asf)
+        path = tmp_path / f"{name}.amc"
+        path.write_text(amc)
+        return path
+
+    return write
+
+
+def test_a_bone_turns_in_the_frame_of_its_axis(acclaim):
+    motion = load(acclaim(), scale=1.0, up="Y").motion
+    positions, _ = forward(motion.skeleton, motion.rotations, motion.root)
+    axis = quat.about("Z", np.radians(30))
+    inner = quat.multiply(
+        quat.about("Z", np.radians(30)),
+        quat.multiply(quat.about("Y", np.radians(20)), quat.about("X", np.radians(10))),
+    )
+    turn = quat.multiply(quat.multiply(axis, inner), quat.inverse(axis))
+    world = quat.multiply(quat.about("Y", np.pi / 2), turn)
+    shin = motion.skeleton.names.index("shin")
+    expected = np.array([1, 5, 2]) + quat.rotate(world, np.array([0.0, -2.0, 0.0]))
+    assert np.allclose(positions[0, shin], expected)
+
+
+def test_radians_and_degrees_are_the_same_motion(acclaim):
+    degrees = load(acclaim(), scale=1.0, up="Y").motion
+    lines = []
+    for line in AMC.replace(":DEGREES", ":RADIANS").splitlines():
+        name, *values = line.split()
+        if name == "root":
+            values = values[:3] + [repr(float(np.radians(float(v)))) for v in values[3:]]
+        elif name in ("thigh", "shin"):
+            values = [repr(float(np.radians(float(v)))) for v in values]
+        lines.append(" ".join([name, *values]))
+    asf = ASF.replace("angle deg", "angle rad").replace("0 0 30", f"0 0 {float(np.radians(30))!r}")
+    radians = load(acclaim(asf, "\n".join(lines)), scale=1.0, up="Y").motion
+    assert np.allclose(radians.rotations, degrees.rotations, atol=1e-12)
+
+
+def test_any_rate_can_be_given_and_120_is_taken_otherwise(acclaim):
+    assert load(acclaim(), scale=1.0).fps == 120
+    assert load(acclaim(), scale=1.0, fps=59.94).fps == pytest.approx(60, rel=2e-3)
+    (acclaim().parent / "overrides.toml").write_text("fps = 60\n")
+    assert load(acclaim(), scale=1.0).fps == 60
+
+
+@pytest.mark.parametrize(
+    ("asf", "amc", "told"),
+    [
+        (("thigh shin", "thigh foot"), ("", ""), "foot"),
+        (("direction 0 -1 0", "direction 0 -1"), ("", ""), "3 numbers"),
+        ((":hierarchy", ":tree"), ("", ""), ":hierarchy"),
+        (("axis 0 0 30 XYZ", "axis 0 0 30 XXZ"), ("", ""), "axis order"),
+        (("    thigh shin\n", ""), ("", ""), "loose"),
+        (("", ""), ("shin 45\n2", "2"), "shin"),
+        (("", ""), ("shin 45\n2", "shin 45\n3"), "frame 2"),
+        (("", ""), ("thigh 10 20 30", "thigh 10 20"), "3 numbers for thigh"),
+        (("", ""), ("shin 45", "shin nan"), "numbers"),
+        (("", ""), ("1\nroot", "root"), "a frame number"),
+    ],
+)
+def test_faults_of_acclaim_are_named(acclaim, asf, amc, told):
+    with pytest.raises(InputError, match=told):
+        load(acclaim(ASF.replace(*asf, 1), AMC.replace(*amc, 1)))
+
+
+def test_an_amc_without_its_skeleton_says_which_is_missing(tmp_path):
+    (tmp_path / "07_01.amc").write_text(AMC)
+    with pytest.raises(InputError, match=r"07\.asf"):
+        load(tmp_path / "07_01.amc")
+
+
+def test_acclaim_and_its_bvh_conversion_are_one_motion(motions):
+    for name in ("05_13", "16_41"):
+        a = load(motions / "cmu_asfamc" / f"{name}.amc").motion
+        b = load(motions / "cmu_from_amc_bvh" / f"{name}.bvh").motion
+        order = [a.skeleton.names.index(joint) for joint in b.skeleton.names]
+        p, _ = forward(a.skeleton, a.rotations, a.root)
+        q, _ = forward(b.skeleton, b.rotations, b.root)
+        assert np.abs(p[:, order] - q).max() < 1e-6
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.data())
+def test_damaged_acclaim_is_a_motion_or_a_refusal(tmp_path_factory, data):
+    folder = tmp_path_factory.mktemp("acclaim")
+    for name, text in (("07.asf", ASF), ("07_01.amc", AMC)):
+        start = data.draw(st.integers(0, len(text)))
+        end = data.draw(st.integers(start, min(start + 9, len(text))))
+        (folder / name).write_text(
+            text[:start] + data.draw(st.text("0 19-e:\nxr", max_size=4)) + text[end:]
+        )
+    try:
+        clip = load(folder / "07_01.amc")
+    except InputError:
+        return
+    assert np.all(np.isfinite(clip.motion.rotations))
+    assert np.all(np.isfinite(clip.motion.root))
+
+
+def test_c3d_is_refused_with_what_to_convert_it_with(motions):
+    with pytest.raises(InputError, match="markers and no skeleton"):
+        load(motions / "cmu_c3d" / "05_13.c3d")
+
+
+def frame(duration: float = 1 / 30, **changes: float) -> list[float]:
+    """A frame of the humanoid in rest."""
+    unit = [1.0, 0.0, 0.0, 0.0]
+    values = [duration, 0, 0.9, 0, *unit, *unit, *unit]
+    for _ in range(2):
+        values += [*unit, -0.5, *unit, *unit, 0.25]
+    for place, value in changes.items():
+        values[int(place[1:])] = value
+    return values
+
+
+def read(document: object):
+    from pathlib import Path
+
+    return read_deepmimic(Path("clip.json"), json.dumps(document).encode())
+
+
+def test_hinges_turn_about_z_and_the_character_faces_x():
+    source = read({"Loop": "none", "Frames": [frame(), frame()]})
+    assert source.fps == 30
+    knee = source.names.index("right_knee")
+    assert np.allclose(source.rotations[0, knee], quat.about("Z", -0.5))
+    assert source.names[8] == "right_wrist"
+    assert not source.loop
+
+
+def test_durations_that_vary_are_resampled_evenly():
+    frames = [frame(0.1, _1=0.0), frame(0.2, _1=1.0), frame(0.1, _1=3.0), frame(0.1, _1=4.0)]
+    source = read({"Frames": frames})
+    assert source.fps == 10
+    assert np.allclose(source.root[:, 0], [0, 1, 2, 3, 4])
+
+
+@pytest.mark.parametrize(
+    ("document", "told"),
+    [
+        ([], "Frames"),
+        ({"Frames": []}, "Frames"),
+        ({"Frames": [[0.1] * 20]}, "20"),
+        ({"Frames": [frame(), frame()[:-1]]}, "43"),
+        ({"Frames": [["a"] * 44]}, "numbers"),
+        ({"Frames": [frame(_4=0.0), frame()]}, "quaternions"),
+        ({"Frames": [frame(-1.0), frame()]}, "durations"),
+        ({"Frames": [frame(_2=1e300), frame()]}, "huge"),
+    ],
+)
+def test_faults_of_deepmimic_are_named(document, told):
+    with pytest.raises(InputError, match=told):
+        read(document)
+
+
+def test_every_clip_beside_the_checkout_loads_or_is_refused_in_two_lines(motions):
+    from stimuli.motion.library import clips_under
+
+    needed = {"left_hip", "right_knee", "left_shoulder", "right_elbow", "pelvis", "spine", "head"}
+    paths = [p for p in clips_under(motions) if p.parent.name not in ("messy", "cmu_c3d")]
+    for path in paths:
+        clip = load(path)
+        assert needed <= set(clip.motion.skeleton.roles), path
+        assert np.all(np.isfinite(clip.motion.root)), path
+    assert len(paths) >= 145
