@@ -29,7 +29,7 @@ lint: $(READY)
 	$(PYTHON) -m mypy
 
 bench: system $(READY)
-	$(PYTHON) -m pip install --quiet --constraint constraints.txt --editable '.[bench]'
+	$(PYTHON) -m pip install --quiet --constraint constraints.txt --editable '.[bench,opinion]'
 	$(PYTHON) -m tests.benchmarks
 
 # Coverage of the published intervals over 1,000 simulated sets for each function.
