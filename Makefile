@@ -46,7 +46,7 @@ $(READY): pyproject.toml constraints.txt
 	"$$python" -m venv $(VENV)
 	$(PYTHON) -m pip install --quiet --constraint constraints.txt --upgrade pip
 	PYTHONWARNINGS=ignore $(PYTHON) -m pip install --quiet --constraint constraints.txt \
-		--editable '.[test]'
+		--editable '.[test,opinion]'
 	@touch $@
 
 # Installs what is missing as root; otherwise says the one line to run.
