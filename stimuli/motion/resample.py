@@ -8,11 +8,10 @@ from stimuli.motion.quaternions import Array
 
 def sampled(rotations: Array, root: Array, places: Array) -> tuple[Array, Array]:
     """Poses at fractional frames `places` (N,), each within 0 … F−1: (N, J, 4) and (N, 3)."""
-    before = np.clip(np.floor(places).astype(int), 0, max(len(root) - 2, 0))
+    before = np.clip(np.floor(places).astype(int), 0, len(root) - 1)
     after = np.minimum(before + 1, len(root) - 1)
     part = places - before
-    whole = np.all(part == 0)
-    if whole:
+    if np.all(part == 0):
         return rotations[before], root[before]
     mixed = quat.slerp(rotations[before], rotations[after], part[:, None])
     return mixed, root[before] + part[:, None] * (root[after] - root[before])

@@ -1,0 +1,237 @@
+"""Units, axes, rest poses, rates, roles, overrides: what a clip is brought to."""
+
+import numpy as np
+import pytest
+
+from stimuli.errors import InputError
+from stimuli.motion import forward, load
+from stimuli.motion import quaternions as quat
+from stimuli.motion.resample import resampled
+from stimuli.motion.roles import ROLES, resolve_roles
+
+BODY = (  # name, parent, offset in centimetres: a man of 1.70 m who faces +Z
+    ("Hips", -1, (0, 0, 0)), ("Spine", 0, (0, 12, 0)), ("Chest", 1, (0, 25, 0)),
+    ("Neck", 2, (0, 22, 0)), ("Head", 3, (0, 10, 0)),
+    ("LeftShoulder", 2, (5, 18, 0)), ("LeftArm", 5, (13, 0, 0)), ("LeftForeArm", 6, (27, 0, 0)),
+    ("LeftHand", 7, (25, 0, 0)),
+    ("RightShoulder", 2, (-5, 18, 0)), ("RightArm", 9, (-13, 0, 0)),
+    ("RightForeArm", 10, (-27, 0, 0)), ("RightHand", 11, (-25, 0, 0)),
+    ("LeftUpLeg", 0, (9, 0, 0)), ("LeftLeg", 13, (0, -42, 0)), ("LeftFoot", 14, (0, -41, 0)),
+    ("LeftToeBase", 15, (0, -5, 14)),
+    ("RightUpLeg", 0, (-9, 0, 0)), ("RightLeg", 17, (0, -42, 0)), ("RightFoot", 18, (0, -41, 0)),
+    ("RightToeBase", 19, (0, -5, 14)),
+)  # fmt: skip
+
+
+def bvh(frames, *, unit=1.0, fps=30, offset=(0, 0, 0), turn=None, ends=True) -> str:
+    """A BVH of BODY in some unit (centimetres times it); `frames` are rows of 6 root channels."""
+    children = {k: [n for n, (_, p, _) in enumerate(BODY) if p == k] for k in range(len(BODY))}
+
+    def joint(k: int) -> list[str]:
+        name, _, place = BODY[k]
+        place = np.array(offset if k == 0 else place, dtype=float) * unit
+        place = turn(place) if turn else place
+        kind = ("ROOT", "6 Xposition Yposition Zposition") if k == 0 else ("JOINT", "3")
+        lines = [f"{kind[0]} {name}", "{", "OFFSET " + " ".join(map(str, place)),
+                 f"CHANNELS {kind[1]} Zrotation Xrotation Yrotation"]  # fmt: skip
+        for child in children[k]:
+            lines += joint(child)
+        if not children[k] and ends:
+            end = np.array([0, 14 if name == "Head" else 0, 0], dtype=float) * unit
+            end = turn(end) if turn else end
+            lines += ["End Site", "{", "OFFSET " + " ".join(map(str, end)), "}"]
+        return [*lines, "}"]
+
+    rows = [" ".join(map(str, [*row, *[0] * 3 * (len(BODY) - 1)])) for row in frames]
+    head = ["HIERARCHY", *joint(0), "MOTION", f"Frames: {len(rows)}", f"Frame Time: {1 / fps:.7f}"]
+    return "\n".join([*head, *rows]) + "\n"
+
+
+def standing(unit: float = 1.0, count: int = 4) -> list[list[float]]:
+    return [[0, 88 * unit, k * unit, 1, 0, 0] for k in range(count)]
+
+
+@pytest.fixture
+def clip(tmp_path):
+    """Writes a text as a clip and loads it."""
+
+    def loaded(text: str, name: str = "clip.bvh", **options):
+        (tmp_path / name).write_text(text)
+        return load(tmp_path / name, **options)
+
+    return loaded
+
+
+@pytest.mark.parametrize(("unit", "scale"), [(1.0, 0.01), (0.01, 1.0), (1 / 2.54, 0.0254),
+                                             (0.01 / 0.056444, 0.056444)])  # fmt: skip
+def test_the_unit_is_the_one_that_makes_a_man(clip, unit, scale):
+    found = clip(bvh(standing(unit), unit=unit))
+    assert found.scale == scale
+    assert not found.warnings
+    positions, _ = forward(found.motion.skeleton, found.motion.rotations, found.motion.root)
+    assert np.isclose(positions[0, found.motion.skeleton.roles["left_ankle"], 1], 0.05, atol=3e-3)
+
+
+def test_no_known_unit_scales_to_1_7_metres_and_says_so(clip):
+    found = clip(bvh(standing(0.1), unit=0.1))
+    stature = 0.1 * (12 + 25 + 22 + 10 + 14 + 9 + 42 + 41)
+    assert np.isclose(found.scale * stature, 1.7)
+    assert "scaled to 1.7 m" in found.warnings[0]
+    assert clip(bvh(standing(0.1), unit=0.1), scale=0.09).scale == 0.09
+    with pytest.raises(InputError, match="scale"):
+        clip(bvh(standing()), scale="big")
+
+
+def test_z_up_sources_are_turned(clip):
+    upright = clip(bvh(standing())).motion
+    frames = [[0, -k, 88, 0, 0, 0] for k in range(4)]
+    text = bvh(frames, turn=lambda v: np.array([v[0], -v[2], v[1]]))
+    turned = clip(text)
+    assert turned.up == "Z"
+    p, _ = forward(turned.motion.skeleton, turned.motion.rotations, turned.motion.root)
+    q, _ = forward(upright.skeleton, quat.normalise(upright.rotations * 0 + quat.IDENTITY),
+                   upright.root)  # fmt: skip
+    assert np.allclose(p, q, atol=1e-6)
+
+
+def test_a_body_stood_up_by_its_root_rotation_is_found(clip):
+    frames = [[0, 0.0, 88, 0, 90, 0] for _ in range(4)]  # turned about X: Y-up rest, Z-up world
+    found = clip(bvh(frames))
+    assert found.up == "Z"
+    assert "stands along Y" in found.warnings[0]
+    p, _ = forward(found.motion.skeleton, found.motion.rotations, found.motion.root)
+    assert p[0, found.motion.skeleton.roles["head"], 1] > 1.4
+    assert clip(bvh(frames), up="Y").up == "Y"
+
+
+def test_a_body_that_lies_stays_lying(clip):
+    frames = [[0, 12, 260, 0, 90, 0] for _ in range(4)]
+    assert clip(bvh(frames)).up == "Y"
+
+
+@pytest.mark.parametrize(("rest", "kept"), [(1, 6), (2, 5), (3, 4), (4, 7)])
+def test_up_to_three_inserted_rest_poses_are_dropped(clip, rest, kept):
+    frames = [[0, 88, 0, 0, 0, 0]] * rest + standing(count=7)[: 7 - rest]
+    found = clip(bvh(frames[:7]))
+    assert found.frames == 7
+    assert len(found.motion) == kept
+    assert bool(found.warnings) == (kept < 7)
+
+
+def test_a_relative_root_channel_adds_to_its_offset(clip):
+    frames = [[0, 0.5 * k, k, 1, 0, 0] for k in range(5)]
+    found = clip(bvh(frames, offset=(0, 88, 0)))
+    assert np.isclose(found.motion.root[0, 1], 0.88)
+    assert "relative" in found.warnings[0]
+    absolute = clip(bvh(standing(), offset=(3, 88, -2)))
+    assert np.isclose(absolute.motion.root[0, 1], 0.88)
+    assert np.isclose(absolute.motion.root[0, 0], 0.0)
+
+
+def test_frame_k_is_at_k_thirtieths_of_a_second(clip):
+    frames = [[0, 88, k, 0.1 * k + 1, 0, 0] for k in range(101)]
+    for fps, count in ((120, 26), (30, 101), (24, 126), (60, 51), (100, 31)):
+        motion = clip(bvh(frames, fps=fps)).motion
+        assert len(motion) == count
+        assert np.allclose(motion.root[:, 2], np.arange(count) * fps / 30 / 100)
+        turned = 2 * np.degrees(quat.log(motion.rotations[:, 0])[:, 2])
+        assert np.allclose(turned, 1 + 0.1 * np.arange(count) * fps / 30, atol=1e-6)
+
+
+def test_resampling_keeps_whole_frames_exactly():
+    rotations = quat.normalise(np.random.default_rng(0).normal(size=(41, 3, 4)))
+    root = np.random.default_rng(1).normal(size=(41, 3))
+    same, path = resampled(rotations, root, 120.0, 30.0)
+    assert np.array_equal(same, rotations[::4])
+    assert np.array_equal(path, root[::4])
+
+
+NAMES = {
+    "acclaim": "root lowerback thorax lowerneck head lclavicle lhumerus lradius lhand lfemur "
+    "ltibia lfoot ltoes rclavicle rhumerus rradius rhand rfemur rtibia rfoot rtoes",
+    "daz": "hip abdomen chest neck head lCollar lShldr lForeArm lHand lThigh lShin lFoot lToe "
+    "rCollar rShldr rForeArm rHand rThigh rShin rFoot rToe",
+    "blender": "pelvis spine spine.001 neck face shoulder.L upper_arm.L forearm.L hand.L thigh.L "
+    "shin.L foot.L toe.L shoulder.R upper_arm.R forearm.R hand.R thigh.R shin.R foot.R toe.R",
+    "biped": "Bip01_Pelvis Bip01_Spine Bip01_Spine1 Bip01_Neck Bip01_Head Bip01_L_Clavicle "
+    "Bip01_L_UpperArm Bip01_L_Forearm Bip01_L_Hand Bip01_L_Thigh Bip01_L_Calf Bip01_L_Foot "
+    "Bip01_L_Toe0 Bip01_R_Clavicle Bip01_R_UpperArm Bip01_R_Forearm Bip01_R_Hand Bip01_R_Thigh "
+    "Bip01_R_Calf Bip01_R_Foot Bip01_R_Toe0",
+    "3ds max": "Hips Chest Chest2 Neck Head LeftCollar LeftShoulder LeftElbow LeftWrist LeftHip "
+    "LeftKnee LeftAnkle LeftToe RightCollar RightShoulder RightElbow RightWrist RightHip RightKnee "
+    "RightAnkle RightToe",
+    "smpl": "Pelvis Spine1 Spine3 Neck Head L_Collar L_Shoulder L_Elbow L_Wrist L_Hip L_Knee "
+    "L_Ankle L_Foot R_Collar R_Shoulder R_Elbow R_Wrist R_Hip R_Knee R_Ankle R_Foot",
+    "xsens": "Hips Chest Chest2 Neck Head LeftShoulder LeftUpperArm LeftForeArm LeftHand "
+    "LeftUpperLeg LeftLowerLeg LeftFoot LeftToe RightShoulder RightUpperArm RightForeArm RightHand "
+    "RightUpperLeg RightLowerLeg RightFoot RightToe",
+    "unreal": "pelvis spine_01 spine_03 neck_01 head clavicle_l upperarm_l lowerarm_l hand_l "
+    "thigh_l calf_l foot_l ball_l clavicle_r upperarm_r lowerarm_r hand_r thigh_r calf_r foot_r "
+    "ball_r",
+}
+MIXAMO = (
+    "Hips Spine Spine1 Neck Head LeftShoulder LeftArm LeftForeArm LeftHand LeftUpLeg LeftLeg "
+    "LeftFoot LeftToeBase RightShoulder RightArm RightForeArm RightHand RightUpLeg RightLeg "
+    "RightFoot RightToeBase"
+)
+NAMES["mixamo"] = " ".join(f"mixamorig:{name}" for name in MIXAMO.split())
+PARENTS = np.array([-1, 0, 1, 2, 3, 2, 5, 6, 7, 0, 9, 10, 11, 2, 13, 14, 15, 0, 17, 18, 19])
+ORDER = ["pelvis", "spine", "chest", "neck", "head"] + [
+    f"{side}_{limb}" for side in ("left", "right")
+    for limb in ("clavicle", "shoulder", "elbow", "wrist", "hip", "knee", "ankle", "toe")
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("family", NAMES)
+def test_roles_are_resolved_by_families_of_names(family):
+    names = NAMES[family].split()
+    moving = quat.about("X", np.array([0.0, 0.3]))[:, None] * np.ones((1, len(names), 1))
+    roles = resolve_roles(names, PARENTS, moving)
+    assert roles == {role: joint for joint, role in enumerate(ORDER)}
+
+
+def test_the_spine_is_the_first_joint_above_the_pelvis_that_moves():
+    names = NAMES["mixamo"].split()
+    rotations = np.tile(quat.IDENTITY, (2, len(names), 1))
+    rotations[1, 2] = quat.about("X", 0.3)
+    assert resolve_roles(names, PARENTS, rotations)["spine"] == 2
+
+
+def test_overrides_name_joints_and_settings(clip, tmp_path):
+    odd = bvh(standing()).replace("LeftUpLeg", "bone17").replace("RightUpLeg", "bone23")
+    assert "left_hip" in clip(odd).roles_missing
+    (tmp_path / "overrides.toml").write_text(
+        'scale = 0.02\n[roles]\nleft_hip = "bone17"\nright_hip = "bone23"\n'
+    )
+    found = clip(odd)
+    assert not found.roles_missing
+    assert found.scale == 0.02
+    given = clip(odd, overrides={"roles": {"left_hip": "bone17"}}, scale=0.01)
+    assert given.roles_missing == ("right_hip",)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [('[roles]\nnose = "x"', "nose"), ('[roles]\nleft_hip = "x"', "not there: x"),
+     ("colour = 1", "colour"), ("roles = 3", "roles"), ("fps = 0", "fps"), ("= 1", "TOML"),
+     ('up = "X"', "up")],
+)  # fmt: skip
+def test_faults_of_overrides_are_named(clip, tmp_path, text, told):
+    (tmp_path / "overrides.toml").write_text(text)
+    with pytest.raises(InputError, match=told):
+        clip(bvh(standing()))
+
+
+def test_what_is_there_of_a_clip_is_told(clip):
+    found = clip(bvh(standing(count=61), fps=60))
+    assert (found.name, found.format, found.frames, found.fps) == ("clip", "bvh", 61, 60.0)
+    assert (found.seconds, found.joints, len(found.sha256)) == (1.0, 21, 64)
+    assert found.roles_missing == ()
+    assert set(found.motion.skeleton.roles) == set(ROLES)
+
+
+def test_unknown_formats_and_missing_files_are_refused(tmp_path):
+    (tmp_path / "a.fbx").write_bytes(b"x")
+    for name, told in (("a.fbx", "known format"), ("b.bvh", "none")):
+        with pytest.raises(InputError, match=told):
+            load(tmp_path / name)
