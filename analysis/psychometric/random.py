@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import minimize, root_scalar
-from scipy.special import chdtri, logsumexp
+from scipy.special import chdtri
 
 from analysis.psychometric.bootstrap import PeopleCounts
 from analysis.psychometric.fit import MAXIMUM_LAPSE, Setting, fit, scale_of
@@ -95,7 +95,9 @@ class _Model:
         log_p = np.log(np.maximum(self.what.guess + span * shape.cdf(eta), TINY))
         log_q = np.log(np.maximum(lapse + span * shape.survival(eta), TINY))
         each = self.right @ log_p.T + self.wrong @ log_q.T
-        return float(logsumexp(each + self.log_weights, axis=1).sum())
+        each = each + self.log_weights
+        top = each.max(1)
+        return float((top + np.log(np.exp(each - top[:, None]).sum(1))).sum())
 
     def maximise(self, start: Array, mean: float | None = None) -> tuple[Array, float]:
         """Climb from `start`, the mean held when given."""

@@ -15,6 +15,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--lapse", default="free", help="`free` (default) or a rate")
     parser.add_argument("--at", type=float, default=0.75, help="proportion (default 0.75)")
     parser.add_argument(
+        "--d-prime",
+        type=float,
+        metavar="D",
+        help="give the threshold at this d′ of two-alternative forced choice instead of --at",
+    )
+    parser.add_argument(
         "--bootstrap",
         metavar="N",
         type=int,
@@ -28,15 +34,17 @@ def run(args: argparse.Namespace) -> int:
     import numpy as np
 
     from analysis.psychometric import setting, summarise
+    from analysis.psychometric.dprime import proportion_of
     from analysis.psychometric.table import check_at, check_samples, lapse_of, read_counts
     from study.cli.common import print_json
 
     what = setting(args.function, args.guess, lapse_of(args.lapse))
-    check_at(args.at, what)
+    at = args.at if args.d_prime is None else proportion_of(args.d_prime)
+    check_at(at, what)
     summary = summarise(
         read_counts(args.table),
         what,
-        (args.at,),
+        (at,),
         interval="parametric" if args.bootstrap else "profile",
         samples=check_samples(args.bootstrap),
         rng=np.random.default_rng(args.seed),

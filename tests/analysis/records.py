@@ -118,7 +118,13 @@ def odd_pair_protocol(name: str = "jnd-center", **tables: Any) -> dict[str, Any]
             "motions": [{"name": "dance-dance"}, {"name": "walk-walk"}],
         },
         "staircase": {"rule": "levitt", "n_down": 2, "n_up": 1, "stop": {"visits": 10}},
-        "analysis": {"alpha": 0.05, "at": [0.70, 0.75], "function": "logistic", "lapse": "free"},
+        "analysis": {
+            "alpha": 0.05,
+            "at": [0.70, 0.75],
+            "function": "logistic",
+            "lapse": "free",
+            "bootstrap": 300,
+        },
         **tables,
     }
 

