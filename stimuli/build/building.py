@@ -1,10 +1,10 @@
 """Building a set: what is missing is rendered, what is there is kept, nothing is half-written.
 
-A clip's name is the hash of what it is made of: its motion frame by frame, the body, the camera
-and the appearance. A clip counts as there when its file and the small document beside it are, the
-document being written last; so an interrupted build goes on where it stopped, and a change of
-anything that shows gives a new name. Clips of earlier builds stay, since records may refer to
-them; `prune` removes them.
+A clip's name is the hash of what it is made of: how the body's bones move frame by frame, its
+skin, the camera and the appearance. A clip counts as there when its file and the small document
+beside it are, the document being written last; so an interrupted build goes on where it stopped,
+and a change of anything that shows gives a new name. Clips of earlier builds stay, since records
+may refer to them; `prune` removes them.
 """
 
 import json
@@ -21,7 +21,6 @@ from stimuli.build.workers import Job, Rendered, render_all
 from stimuli.errors import InputError
 from stimuli.files import write_atomic
 from stimuli.motion.library import Library
-from stimuli.render.bodies import bone_motion
 
 CLIPS = "clips"
 Progress = Callable[[int, int], None]
@@ -104,7 +103,7 @@ def _built(
         clip.hash: Job(
             _file(out, clip.hash),
             group.body.skin,
-            bone_motion(group.body, clip.laid_out.motion),
+            clip.bones,
             spec.fps,
             group.camera,
             spec.appearance,

@@ -7,6 +7,7 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stimuli.build.layout import LaidOut, lay_out
 from stimuli.build.manifest import digest
@@ -15,7 +16,7 @@ from stimuli.build.spec import SetSpec
 from stimuli.motion.clip import Clip
 from stimuli.motion.library import Library
 from stimuli.motion.skeleton import Motion
-from stimuli.render.bodies import Body, make_body
+from stimuli.render.bodies import Body, bone_motion, make_body
 from stimuli.render.camera import Camera
 from stimuli.render.clip import group_camera
 from stimuli.transition import Transition
@@ -26,10 +27,11 @@ DIGITS = 24  # of the hash that names a clip
 
 @dataclass(frozen=True, eq=False)
 class PlannedClip:
-    """A clip before it is rendered: its name, its motion, its entry in the manifest so far."""
+    """A clip before it is rendered: its name, what is drawn, its entry in the manifest so far."""
 
     hash: str
     laid_out: LaidOut
+    bones: NDArray[np.float32]  # (F, B, 8) what is drawn: how the body's bones move
     document: Mapping[str, Any]
 
 
@@ -69,7 +71,7 @@ def plan_group(spec: SetSpec, resolved: ResolvedPairing, library: Library) -> Pl
         if length == resolved.anchor
     )
     clips = tuple(
-        _planned(spec, resolved, method, clip, reference, made_of)
+        _planned(spec, resolved, method, clip, reference, bone_motion(body, clip.motion), made_of)
         for (method, _), clip in zip(kinds, laid, strict=True)
     )
     return PlannedGroup(
@@ -83,9 +85,10 @@ def _planned(
     method: str | None,
     clip: LaidOut,
     reference: Transition,
+    bones: NDArray[np.float32],
     made_of: Mapping[str, Any],
 ) -> PlannedClip:
-    name = digest({"motion": motion_digest(clip.motion), **made_of})[:DIGITS]
+    name = digest({"bones": array_digest(bones), **made_of})[:DIGITS]
     remark = resolved.remarks.get(method) if method else None
     document = {
         "motion": resolved.name,
@@ -100,12 +103,13 @@ def _planned(
             name: value if value is None else round(value, 6)
             for name, value in measures(clip.transition, reference).items()
         },
+        "report": _plain(clip.transition.report),
         "warnings": [remark] if remark else [],
         "motion_sha256": motion_digest(clip.motion),
         "body_sha256": made_of["body"],
         "appearance": made_of["appearance"],
     }
-    return PlannedClip(name, clip, document)
+    return PlannedClip(name, clip, bones, document)
 
 
 def _group_document(
@@ -134,6 +138,19 @@ def _group_document(
     }
 
 
+def _plain(report: Mapping[str, Any]) -> dict[str, Any]:
+    """What JSON can hold of a method's report: words and finite numbers, not whole curves."""
+    values = {
+        key: value.item() if isinstance(value, np.generic) else value
+        for key, value in report.items()
+    }
+    return {
+        key: value
+        for key, value in values.items()
+        if isinstance(value, bool | int | str) or (isinstance(value, float) and np.isfinite(value))
+    }
+
+
 _BODIES: dict[tuple[str, str], Body] = {}
 
 
@@ -151,16 +168,17 @@ def motion_digest(motion: Motion) -> str:
     A quaternion and its negative are one rotation and have one digest.
     """
     signs = np.where(motion.rotations[..., :1] < 0, -1.0, 1.0)
-    return _sha(motion.skeleton.offsets, motion.rotations * signs, motion.root)
+    return array_digest(motion.skeleton.offsets, motion.rotations * signs, motion.root)
 
 
 @lru_cache(maxsize=64)
 def body_digest(body: Body) -> str:
     """SHA-256 of a body's skin and weights, to a tenth of a millimetre."""
-    return _sha(body.skin.points, body.skin.faces, body.skin.weights, body.skin.openness)
+    return array_digest(body.skin.points, body.skin.faces, body.skin.weights, body.skin.openness)
 
 
-def _sha(*arrays: np.ndarray) -> str:
+def array_digest(*arrays: np.ndarray) -> str:
+    """SHA-256 of arrays rounded to four decimals."""
     sha = hashlib.sha256()
     for array in arrays:
         sha.update(np.rint(np.asarray(array, dtype=float) * 1e4).astype(np.int64).tobytes())

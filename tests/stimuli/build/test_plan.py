@@ -1,10 +1,13 @@
 """Which lengths a set means."""
 
+import json
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from stimuli.build import SetSpec, resolve
+from stimuli.build.group import _plain
 from stimuli.errors import InputError, InputWarning
 from stimuli.motion import Library
 from stimuli.transition import blend_length, with_room
@@ -57,3 +60,13 @@ def test_missing_clips_and_frames_are_named(spec: SetSpec, library: Library) -> 
         resolve(replace(spec, pairings=(replace(pairing, to_clip="nowhere"),)), library)
     with pytest.raises(InputError, match=r"from 0 to .* found 999"):
         resolve(replace(spec, pairings=(replace(pairing, from_frame=999),)), library)
+
+
+def test_a_methods_report_is_kept_as_far_as_json_goes() -> None:
+    report = {
+        "joint": "left_knee", "clamped": np.bool_(True), "speed": np.float64(0.5), "given": True,
+        "wanted": float("inf"), "costs": np.ones(60),
+    }  # fmt: skip
+    kept = _plain(report)
+    assert kept == {"joint": "left_knee", "clamped": True, "speed": 0.5, "given": True}
+    json.dumps(kept, allow_nan=False)
