@@ -1,22 +1,13 @@
 """`segue certify`: what a protocol will be able to show, before any session."""
 
 import argparse
-from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from study.cli.common import add_motions_option, print_json, progress
 
 if TYPE_CHECKING:
-    import pandas as pd
-
-    from study.protocol import Protocol
-
-PEOPLE = (6, 12, 18, 24, 35, 50, 80)
-SHARES = (0.55, 0.60, 0.65, 0.75)
-FRAMES = (1.0, 2.0, 3.0)
-POWER = 0.8
+    from study.cli.designs import Job
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -38,25 +29,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_motions_option(parser)
 
 
-@dataclass(frozen=True)
-class Job:
-    """One simulated study: small enough to send to a process."""
-
-    document: dict[str, Any]
-    references: dict[str, int]
-    seed: int
-    people: int
-
-
 def run(args: argparse.Namespace) -> int:
     from stimuli.errors import InputError
     from stimuli.motion import Library, motion_directories
+    from study.cli.designs import Job, Options, certificate
     from study.protocol import load
     from study.sets import references
 
     if args.sets < 2 or (args.participants is not None and args.participants < 1):
         raise InputError("--sets and --participants: expected at least 2 sets and 1 participant")
     protocol = load(args.protocol)
+    _check_effects(args.effect or [], protocol.file.task)
     people = args.participants or protocol.file.participants
     lengths = references(protocol, Library(motion_directories(args.motions)), args.set_name)
     jobs = [
@@ -64,7 +47,8 @@ def run(args: argparse.Namespace) -> int:
         for n in range(args.sets)
     ]
     studies = _all(jobs, args.workers)
-    entry = certificate(protocol, lengths, studies, people, args)
+    options = Options(args.seed, tuple(args.effect or ()), args.stimuli)
+    entry = certificate(protocol, lengths, studies, people, options)
     _write(args.out, protocol.hash, entry)
     if args.json:
         print_json(entry)
@@ -74,11 +58,25 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def _all(jobs: list[Job], workers: int | None) -> list[dict[str, Any]]:
+def _check_effects(effects: list[float], task: str) -> None:
+    from stimuli.errors import InputError
+
+    highest = 1.0 if task == "preference" else float("inf")
+    for effect in effects:
+        if not 0 < effect < highest:
+            raise InputError(
+                f"--effect: expected {'a share between 0 and 1' if highest == 1 else 'frames'} "
+                f"above 0 for a {task} study, found {effect:g}"
+            )
+
+
+def _all(jobs: "list[Job]", workers: int | None) -> list[dict[str, Any]]:
     """Simulate and analyse every study, on all cores."""
     import os
     from concurrent.futures import ProcessPoolExecutor
     from multiprocessing import get_context
+
+    from study.cli.designs import one_study
 
     count = min(workers or os.cpu_count() or 1, len(jobs))
     found = []
@@ -93,238 +91,6 @@ def _all(jobs: list[Job], workers: int | None) -> list[dict[str, Any]]:
                 found.append(study)
                 step(done)
     return found
-
-
-def one_study(job: Job) -> dict[str, Any]:
-    """Simulate one study and keep what the certificate needs of it."""
-    from study.protocol import from_document
-
-    protocol = from_document(job.document)
-    trials, minutes, counts = simulated_trials(protocol, job)
-    return {
-        "trials": counts,
-        "minutes": minutes,
-        **TASKS.get(protocol.file.task, _nothing_more)(protocol, trials, job.seed),
-        "table": trials,
-    }
-
-
-def simulated_trials(
-    protocol: "Protocol", job: Job
-) -> tuple["pd.DataFrame", list[float], list[float]]:
-    """The counted trials of all people of one study, and each session's minutes and trials."""
-    import pandas as pd
-
-    from study.simulate import plan_of, rows
-
-    tables, minutes, counts = [], [], []
-    for person in range(job.people):
-        table = pd.DataFrame(list(rows(plan_of(protocol, job.references, job.seed, person))))
-        table["participant"] = f"p{person + 1:03d}"
-        span = float(table["onset"].iloc[-1] - table["onset"].iloc[0])
-        each = span / max(len(table) - 1, 1)
-        minutes.append((span + each) / 60)
-        counts.append(float(len(table)))
-        tables.append(table[(table["phase"] == "main") & ~table["void"].astype(bool)])
-    whole = pd.concat(tables, ignore_index=True)
-    numbers = {"correct", "difference", "rating"} & set(whole)
-    return whole.astype(dict.fromkeys(numbers, float)), minutes, counts
-
-
-def _odd_pair(protocol: "Protocol", trials: "pd.DataFrame", seed: int) -> dict[str, Any]:
-    from analysis.certificate import estimates
-    from analysis.thresholds import plan_of
-
-    return {"estimates": estimates(trials, plan_of(dict(protocol.document)), seed)}
-
-
-def _preference(protocol: "Protocol", trials: "pd.DataFrame", seed: int) -> dict[str, Any]:
-    from analysis.certificate import preference_finds
-
-    methods = tuple(protocol.file.methods)
-    return {"finds": preference_finds(trials, methods, protocol.file.analysis.alpha)}
-
-
-def _nothing_more(protocol: "Protocol", trials: "pd.DataFrame", seed: int) -> dict[str, Any]:
-    return {}
-
-
-TASKS: dict[str, Callable[["Protocol", "pd.DataFrame", int], dict[str, Any]]] = {
-    "odd-pair": _odd_pair,
-    "preference": _preference,
-}
-
-
-def certificate(
-    protocol: "Protocol",
-    references: dict[str, int],
-    studies: list[dict[str, Any]],
-    people: int,
-    args: argparse.Namespace,
-) -> dict[str, Any]:
-    """Everything that is certified of a protocol."""
-    import pandas as pd
-
-    from analysis.design import balance, range_of
-
-    tables = [s["table"].assign(study=n) for n, s in enumerate(studies)]
-    tables = [t.assign(participant=t["participant"] + f"/{n}") for n, t in enumerate(tables)]
-    trials = pd.concat(tables, ignore_index=True)
-    entry: dict[str, Any] = {
-        "protocol": protocol.name,
-        "protocol_hash": protocol.hash,
-        "task": protocol.file.task,
-        "participants": people,
-        "simulated_sets": len(studies),
-        "seed": args.seed,
-        "trials": range_of([n for s in studies for n in s["trials"]]),
-        "minutes": range_of([n for s in studies for n in s["minutes"]]),
-        "balance": balance(trials),
-        "warnings": warnings_of(args.stimuli),
-    }
-    part = {"odd-pair": _odd_pair_part, "preference": _preference_part}.get(protocol.file.task)
-    return entry | (part(protocol, references, studies, trials, people, args) if part else {})
-
-
-def _odd_pair_part(
-    protocol: "Protocol",
-    references: dict[str, int],
-    studies: list[dict[str, Any]],
-    trials: "pd.DataFrame",
-    people: int,
-    args: argparse.Namespace,
-) -> dict[str, Any]:
-    from analysis.certificate import difference_power, fewest, threshold_certificate
-    from analysis.design import convergence
-
-    observer = protocol.file.observer
-    assert observer is not None
-    truth = {side: float(value) for side in ("shorter", "longer")
-             if (value := getattr(observer, side)) is not None}  # fmt: skip
-    thresholds = threshold_certificate([s["estimates"] for s in studies], truth)
-    alpha = protocol.file.analysis.alpha
-    sd = max((t["fit"]["sd"] or 0.0 for t in thresholds), default=0.0)
-    power: list[dict[str, Any]] = [
-        {
-            "effect": effect,
-            "participants": n,
-            "power": difference_power(effect, sd, people, n, alpha) if sd else None,
-        }
-        for effect in args.effect or FRAMES
-        for n in PEOPLE
-    ]
-    effect = (args.effect or FRAMES[1:2])[0]
-    by_people = {row["participants"]: row["power"] or 0.0 for row in power
-                 if row["effect"] == effect}  # fmt: skip
-    return {
-        "staircases": exact_targets(protocol, references),
-        "convergence": convergence(trials),
-        "thresholds": thresholds,
-        "power": power,
-        "power_of": "telling two thresholds apart that differ by `effect` frames",
-        "recommended_participants": fewest(by_people, POWER),
-        "recommended_for": f"power {POWER:g} for a difference of {effect:g} frames",
-    }
-
-
-def exact_targets(protocol: "Protocol", references: dict[str, int]) -> list[dict[str, Any]]:
-    """Where each staircase settles on the protocol's observer, from its Markov chain."""
-    import numpy as np
-
-    from analysis.psychometric import location_for, proportion
-    from study.chain import stationary
-    from study.plan import make_plan
-    from study.staircase import target_weighted
-    from study.tracks import make_rule
-
-    table, observer = protocol.file.staircase, protocol.file.observer
-    if table is None or observer is None or observer.slope is None:
-        return []
-    found = []
-    for motion in make_plan(protocol, references, 0).motions:
-        for side, levels in motion.sides().items():
-            truth = getattr(observer, side)
-            if truth is None:
-                continue
-            curve = (observer.slope, 0.5, observer.lapse)
-            location = location_for(observer.function, abs(truth), observer.at, *curve)
-            x = np.array(levels, float)
-            right = proportion(observer.function, x, location, *curve)
-            row: dict[str, Any] = {"motion": motion.name, "side": side, "rule": table.rule,
-                                   "levels": list(levels)}  # fmt: skip
-            try:
-                settled = stationary(make_rule(table), x, right)
-                at_mean = float(proportion(observer.function, settled.mean_level, location, *curve))
-                row |= {
-                    "mean_level": settled.mean_level,
-                    "target": at_mean,
-                    "overall_right": settled.overall_correct,
-                }
-            except ValueError:  # steps of parts of a level have no finite chain
-                row |= {"target": target_weighted(table.down or 1, table.up or 1,
-                                                  table.n_down or 1)}  # fmt: skip
-            found.append(row)
-    return found
-
-
-def _preference_part(
-    protocol: "Protocol",
-    references: dict[str, int],
-    studies: list[dict[str, Any]],
-    trials: "pd.DataFrame",
-    people: int,
-    args: argparse.Namespace,
-) -> dict[str, Any]:
-    import numpy as np
-
-    from analysis.certificate import fewest, preference_power
-
-    file = protocol.file
-    spread = file.observer.spread if file.observer else 0.0
-    answers = max(int(len(trials) / trials["participant"].nunique()), 1)
-    power: list[dict[str, Any]] = [
-        {
-            "effect": share,
-            "participants": n,
-            "power": preference_power(
-                share, n, answers, file.analysis.alpha, spread, np.random.default_rng(args.seed)
-            ),
-        }
-        for share in args.effect or SHARES
-        for n in PEOPLE
-    ]
-    share = (args.effect or SHARES[2:3])[0]
-    by_people = {row["participants"]: row["power"] for row in power if row["effect"] == share}
-    return {
-        "finds": {
-            test: float(np.mean([s["finds"][test] for s in studies]))
-            for test in ("chi2", "mixed_model")
-        },
-        "finds_of": "share of studies simulated from [observer] in which each test is significant",
-        "power": power,
-        "power_of": "finding a preference of share `effect`, people differing as in [observer]",
-        "recommended_participants": fewest(by_people, POWER),
-        "recommended_for": f"power {POWER:g} for a preference of {share:g}",
-    }
-
-
-def warnings_of(stimuli: Path | None) -> list[str]:
-    """Clips of a stimulus set that their position alone gives away."""
-    if stimuli is None:
-        return []
-    import json
-
-    from analysis.design import telltale
-    from stimuli.errors import InputError
-
-    try:
-        manifest = json.loads((stimuli / "manifest.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise InputError(
-            f"{stimuli}: expected a stimulus set with a manifest.json, found none that can be read "
-            f"({error}); build one with `segue render`"
-        ) from error
-    return telltale(manifest.get("clips", []))
 
 
 def _write(path: Path, key: str, entry: dict[str, Any]) -> None:
@@ -357,10 +123,9 @@ def describe(entry: dict[str, Any]) -> str:
         lines.append(f"staircase {row['motion']}/{row['side']} ({row['rule']}): settles at a "
                      f"proportion of {row['target']:.4f}")  # fmt: skip
     for row in entry.get("thresholds", []):
-        fit, turns = row["fit"], row["reversal_mean"]
         lines.append(
-            f"threshold {row['side']} {row['truth']:+g}: fit {fit['mean']:+.2f} (SD "
-            f"{fit['sd']:.2f}), reversals {turns['mean']:+.2f} (SD {turns['sd']:.2f}), interval "
+            f"threshold {row['side']} {row['truth']:+g}: fit {_spread(row['fit'])}, reversals "
+            f"{_spread(row['reversal_mean'])}, last level {_spread(row['stop_level'])}; interval "
             f"covers {row['coverage']:.2f}, identifiable {row['identifiable']:.2f}"
         )
     for test, share in entry.get("finds", {}).items():
@@ -368,5 +133,10 @@ def describe(entry: dict[str, Any]) -> str:
     if "recommended_for" in entry:
         n = entry["recommended_participants"]
         lines.append(f"people recommended ({entry['recommended_for']}): "
-                     f"{n if n is not None else f'more than {PEOPLE[-1]}'}")  # fmt: skip
+                     f"{n if n is not None else 'more than could be tried'}")  # fmt: skip
     return "\n".join(lines + entry["warnings"])
+
+
+def _spread(held: dict[str, float | None]) -> str:
+    mean, sd = held["mean"], held["sd"]
+    return "none" if mean is None else f"{mean:+.2f} (SD {sd or 0:.2f})"

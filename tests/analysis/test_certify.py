@@ -77,6 +77,16 @@ def test_preference(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert set(entry["balance"]) == {"geodesic first", "fixed first"}
 
 
+def test_in_lines(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    protocol = tmp_path / "small.toml"
+    protocol.write_text(ODD_PAIR)
+    out = str(tmp_path / "certificate.json")
+    assert main(["certify", str(protocol), "--sets", "2", "--workers", "1", "--out", out]) == 0
+    told = capsys.readouterr().out
+    assert "settles at a proportion of" in told
+    assert "people recommended" in told
+
+
 def test_certificates_of_other_protocols_stay(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -106,6 +116,7 @@ def test_the_report_quotes_the_certificate(
     [
         (["--sets", "1"], "--sets and --participants"),
         (["--stimuli", "nowhere"], "expected a stimulus set"),
+        (["--effect", "3"], "--effect: expected a share"),
     ],
 )
 def test_refusals(

@@ -9,7 +9,7 @@ import pytest
 from analysis.certificate import Estimate, estimates
 from analysis.preferences import contests
 from analysis.thresholds import plan_of as plan_of_fits
-from study.cli.certify import Job, simulated_trials
+from study.cli.designs import Job, simulated_trials
 from study.protocol import load, shipped
 
 SEEDS = 40
