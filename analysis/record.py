@@ -15,7 +15,7 @@ from typing import Any
 import pandas as pd
 
 from analysis.errors import InputError
-from analysis.rows import parse, task_of
+from analysis.rows import TASKS, parse, task_of
 
 _ENTITIES = re.compile(r"sub-(?P<sub>[^_]+)(?:_task-(?P<task>[^_]+))?(?:_run-(?P<run>[^_]+))?")
 _TABLES = ("*_beh.tsv", "*_beh.csv")
@@ -139,7 +139,7 @@ def _session(path: Path) -> Session | str:
     protocol = sidecar.get("Protocol")
     protocol = protocol if isinstance(protocol, dict) else {}
     task = protocol.get("task") or task_of(list(table.columns))
-    if task is None or task_of(list(table.columns)) is None:
+    if task not in TASKS or task_of(list(table.columns)) is None:
         return f"{path}: expected the columns of a record, found {', '.join(table.columns)[:200]}"
     trials, faults = parse(str(task), table, str(path))
     match = _ENTITIES.search(path.stem)
@@ -161,9 +161,8 @@ def _session(path: Path) -> Session | str:
 
 def _table(rows: list[str], delimiter: str, path: Path) -> tuple[pd.DataFrame, list[str]]:
     """The cells as text, indexed by line number; lines of another width are left out."""
-    # Line by line, so that a stray quotation mark spoils one row and not all after it.
-    lines = [next(csv.reader([row], delimiter=delimiter), []) for row in rows]
-    if not lines:
+    lines = [_cells(row, delimiter) for row in rows]
+    if not lines or not lines[0]:
         return pd.DataFrame(), [f"{path}: expected a header, found an empty file"]
     header, faults, kept, numbers = lines[0], [], [], []
     for number, cells in enumerate(lines[1:], start=2):
@@ -175,7 +174,20 @@ def _table(rows: list[str], delimiter: str, path: Path) -> tuple[pd.DataFrame, l
                 f"{path}:{number}: expected {len(header)} cells, found {len(cells)}; "
                 "the row is left out"
             )
-    return pd.DataFrame(kept, index=numbers, columns=header, dtype=object), faults
+    table = pd.DataFrame(kept, index=numbers, columns=header, dtype=object)
+    twice = table.columns.duplicated()
+    if twice.any():
+        names = ", ".join(sorted(set(table.columns[twice])))
+        faults.append(f"{path}: expected each column once, found {names} again; the first is read")
+    return table.loc[:, ~twice], faults
+
+
+def _cells(row: str, delimiter: str) -> list[str]:
+    """The cells of one line: read line by line, a stray quotation mark spoils one row only."""
+    try:
+        return next(csv.reader([row], delimiter=delimiter), [])
+    except csv.Error:
+        return [row]
 
 
 def _lines(text: str) -> list[str]:

@@ -112,12 +112,13 @@ def parse(task: str, table: pd.DataFrame, where: str) -> tuple[pd.DataFrame, lis
     for column, (sources, derive) in rules.derived.items():
         if column not in typed and set(sources) <= set(typed):
             typed[column] = derive(typed)
-    for column in rules.needed + rules.open:
-        if column not in typed:
-            return typed.iloc[:0], [
-                f"{where}: expected a column {column}, found "
-                f"{', '.join(table.columns)}; the table is left out"
-            ]
+    absent = [column for column in rules.needed + rules.open if column not in typed]
+    if absent:
+        lacking = (
+            f"{where}: expected a column {absent[0]}, found {', '.join(table.columns)}; "
+            "the table is left out"
+        )
+        return typed.iloc[:0].reindex(columns=[*typed, *absent]), [lacking]
     for column in rules.needed:
         for line in typed.index[typed[column].isna()]:
             faults.setdefault(line, f"{column} is missing")

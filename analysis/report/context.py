@@ -32,7 +32,9 @@ class Context:
 
     @property
     def alpha(self) -> float:
-        return float(self.table("analysis").get("alpha", 0.05))
+        """The significance level that the protocol states; .05 where it states none."""
+        stated = self.table("analysis").get("alpha")
+        return float(stated) if isinstance(stated, int | float) and 0 < stated < 1 else 0.05
 
     def table(self, name: str) -> dict[str, Any]:
         """A table of the protocol; empty when it is absent or no table."""

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from analysis.errors import InputError
 from analysis.files import write_atomic
 from analysis.record import read
 from analysis.report.across import across, document_of
@@ -107,7 +108,7 @@ def report_of(context: Context) -> StudyReport:
     """Analyse one study."""
     study = context.study
     main = context.screened.main
-    findings = TASKS[study.task](context) if len(main) else _nothing(context)
+    findings = _findings(context) if len(main) else _nothing(context)
     published = published_section(context, findings.document)
     sections = (
         asked_section(context),
@@ -158,6 +159,15 @@ def _document(context: Context, findings: Findings) -> dict[str, Any]:
         "certificate": context.certificate,
         "provenance": provenance(context),
     }
+
+
+def _findings(context: Context) -> Findings:
+    """The task's analysis; one that the records do not allow is named, and the rest goes on."""
+    try:
+        return TASKS[context.study.task](context)
+    except InputError as error:
+        why = f"These records cannot be analysed: {error}"
+        return Findings((Section("Results", text=(why,)),), {"error": str(error)})
 
 
 def _nothing(context: Context) -> Findings:

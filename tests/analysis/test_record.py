@@ -1,13 +1,18 @@
 """Reading records, whole ones and damaged ones."""
 
 import json
+from contextlib import suppress
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from analysis.errors import InputError
 from analysis.record import read
+from analysis.screening import screen
 from tests.analysis import records
 
 
@@ -124,3 +129,39 @@ def test_sidecar_of_a_wrong_kind(tmp_path: Path) -> None:
     path.with_suffix(".json").write_text(json.dumps(["list"]))
     (study,), _ = read([tmp_path])
     assert "expected a JSON object" in study.faults[0]
+
+
+def test_a_column_named_twice_is_read_once(tmp_path: Path) -> None:
+    damaged(tmp_path, "difference\tcorrect\tdifference\n3\t1\t5\n")
+    (study,), _ = read([tmp_path])
+    assert list(study.trials["difference"]) == [3]
+    assert "expected each column once" in study.faults[0]
+
+
+TABLE = (
+    "trial\tphase\tresponse\tlate_frames\tvoid\tmotion\treference_length\tlength\tdifference\t"
+    "odd_pair\tcorrect\n"
+    "1\tmain\t1\t0\t0\twalk\t10\t14\t4\t1\t1\n"
+    "2\tmain\t2\t0\t0\twalk\t10\t6\t-4\t1\t0\n"
+)
+
+
+@settings(max_examples=150, deadline=None)
+@given(
+    at=st.integers(0, len(TABLE)),
+    length=st.integers(0, 12),
+    text=st.text(max_size=8),
+    protocol=st.sampled_from([None, {"task": "odd-pair", "analysis": 3}, {"task": "juggling"}, 7]),
+)
+def test_no_damage_stops_the_reading(at: int, length: int, text: str, protocol: object) -> None:
+    """Whatever a stretch of the file turns into, rows are read or named, and nothing raises."""
+    with TemporaryDirectory() as folder:
+        path = damaged(Path(folder), "")
+        path.write_text(TABLE[:at] + text + TABLE[at + length :], encoding="utf-8", newline="")
+        if protocol is not None:
+            path.with_suffix(".json").write_text(json.dumps({"Protocol": protocol}))
+        studies = []
+        with suppress(InputError):
+            studies, _ = read([Path(folder)])
+        for study in studies:
+            assert screen(study).excluded >= 0
