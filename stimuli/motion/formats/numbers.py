@@ -89,28 +89,47 @@ def _plain_block(data: bytes) -> Array | None:
     if len(starts) and (whole.max() > 8 or count.min() < 1 or count.max() > _MOST_DIGITS):
         return None
     words = np.ndarray((len(data) - 7,), dtype="<u8", buffer=data, strides=(1,))
-    mantissa = _digits(words, points, whole) * _POWERS[part]
-    mantissa += _digits(words, ends, np.minimum(part, 8))
-    if len(part) and part.max() > 8:
-        mantissa += _digits(words, np.maximum(ends - 8, 8), np.maximum(part - 8, 0)) * 1e8
+    if len(starts) and (ends - starts - negative).max() <= 8:
+        mantissa = _value(_without_point(words[ends - 8] ^ _ZEROS, whole, part, points < ends))
+    else:
+        mantissa = _digits(words, points, whole) * _POWERS[part]
+        mantissa += _digits(words, ends, np.minimum(part, 8))
+        if len(part) and part.max() > 8:
+            mantissa += _digits(words, np.maximum(ends - 8, 8), np.maximum(part - 8, 0)) * 1e8
     values = mantissa / _POWERS[part]
     return np.where(negative, -values, values)
 
 
+def _without_point(
+    word: np.ndarray, whole: np.ndarray, part: np.ndarray, pointed: np.ndarray
+) -> np.ndarray:
+    """Words that end with a number of at most 8 characters: its digits alone, drawn together."""
+    behind = _KEEP_LAST[part]
+    after_whole = part + pointed
+    before = _KEEP_LAST[whole + after_whole] & ~_KEEP_LAST[after_whole]
+    return ((word & before) << (pointed * np.uint64(8))) | (word & behind)
+
+
 def _points(edges: np.ndarray, is_dot: np.ndarray) -> np.ndarray | None:
     """Where each number's decimal point is, or its end; None when one has two."""
-    points = edges[1::2].copy()
-    dots = np.flatnonzero(is_dot)
+    ends, dots = edges[1::2], np.flatnonzero(is_dot)
+    if len(dots) == len(ends) and np.all(dots < ends) and np.all(dots >= edges[::2]):
+        return dots
     held = np.add.reduceat(is_dot, edges, dtype=np.uint8)[::2] if len(edges) else is_dot[:0]
     if len(held) and held.max() > 1:
         return None
+    points = ends.copy()
     points[held.astype(bool)] = dots
     return points
 
 
 def _digits(words: np.ndarray, ends: np.ndarray, count: np.ndarray) -> Array:
     """The numbers that the `count` (at most 8) digits before each end spell."""
-    word = (words[ends - 8] ^ _ZEROS) & _KEEP_LAST[count]
+    return _value((words[ends - 8] ^ _ZEROS) & _KEEP_LAST[count])
+
+
+def _value(word: np.ndarray) -> Array:
+    """The numbers that eight digits (0 to 9, the first in the lowest byte) spell."""
     for factor, shift, mask in _STEPS:
         word = (word * factor + (word >> shift)) & mask
     return word.astype(np.float64)

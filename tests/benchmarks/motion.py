@@ -1,0 +1,203 @@
+"""Motion and transitions: reading, kinematics, the pose distance, lengths, a whole transition.
+
+Everything is measured on generated data of the sizes that the figures are stated for, so that the
+numbers are the same kind everywhere; rivals get the same data in the same run.
+"""
+
+import statistics
+import tempfile
+import time
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stimuli.motion import Motion, Skeleton, forward, load, unroll, walker
+from stimuli.motion import quaternions as quat
+from stimuli.motion.formats.bvh import read_bvh
+from stimuli.motion.formats.bvh_write import write_bvh
+from stimuli.motion.quaternions import Array
+from stimuli.transition import transition
+from stimuli.transition.distance import exact_angles
+from stimuli.transition.kernel import fused_angles
+from stimuli.transition.lengthmap import lengths_of
+from stimuli.transition.weights import MAJOR, WEIGHTS
+
+RUNS = 15
+FRAMES, JOINTS = 524, 31
+ALL_PAIRS = 2000
+
+
+def rows() -> list[dict[str, Any]]:
+    """Milliseconds, medians of several runs."""
+    return [*_reading(), *_kinematics(), *_distance(), *_lengths(), *_transition()]
+
+
+def _median(work: Callable[[], object], runs: int = RUNS) -> float:
+    """Milliseconds of a call, after one that is not counted."""
+    work()
+    times = []
+    for _ in range(runs):
+        start = time.perf_counter()
+        work()
+        times.append(time.perf_counter() - start)
+    return 1000 * statistics.median(times)
+
+
+def _row(
+    name: str,
+    value: float,
+    rival: str | None = None,
+    rival_value: float | None = None,
+    *,
+    target: float | None = None,
+    faster: float | None = None,
+) -> dict[str, Any]:
+    """A row; met when the value is at most `target`, or the rival takes `faster` times as long."""
+    ratio = None if rival_value is None else rival_value / value
+    met = None
+    if target is not None:
+        met = value <= target
+    elif faster is not None and ratio is not None:
+        met = ratio >= faster
+    return {
+        "name": name,
+        "value": value,
+        "unit": "ms",
+        "rival": rival,
+        "rival_value": rival_value,
+        "ratio": ratio,
+        "target": target if target is not None else faster,
+        "met": met,
+    }
+
+
+def _body(frames: int, joints: int = JOINTS) -> Motion:
+    """A motion of a body of chains like a captured one: six limbs below a root."""
+    parents = [-1] + [0 if joint % 5 == 1 else joint - 1 for joint in range(1, joints)]
+    rng = np.random.default_rng(0)
+    skeleton = Skeleton(
+        tuple(f"joint{n}" for n in range(joints)),
+        np.array(parents),
+        np.vstack([np.zeros(3), rng.normal(0, 0.2, (joints - 1, 3))]),
+        np.array([joint for joint in range(joints) if joint not in parents]),
+        rng.normal(0, 0.1, (sum(joint not in parents for joint in range(joints)), 3)),
+    )
+    steps = np.cumsum(rng.normal(0, 0.02, (frames, joints, 3)), axis=0)
+    root = np.cumsum(rng.normal(0, 0.01, (frames, 3)), axis=0) + np.array([0.0, 0.9, 0.0])
+    return Motion(skeleton, quat.exp(steps), root)
+
+
+def _reading() -> list[dict[str, Any]]:
+    """A file of 524 frames and 31 joints, with as many digits as exporters write."""
+    import bvhio
+    import pybvh
+
+    with tempfile.TemporaryDirectory() as directory:
+        path = Path(directory) / "long.bvh"
+        write_bvh(_body(FRAMES), path)
+        head, _, numbers = path.read_text().partition("Frame Time")
+        first, *table = numbers.splitlines()
+        short = [" ".join(f"{float(word):.4f}" for word in line.split()) for line in table]
+        path.write_text("\n".join([head + "Frame Time" + first, *short]) + "\n")
+        name = f"read BVH, {FRAMES} frames × {JOINTS} joints"
+        ours = _median(lambda: read_bvh(path, path.read_bytes()))
+        whole = _median(lambda: load(path, up="Y", scale=1.0))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            theirs = _median(lambda: pybvh.read_bvh_file(str(path)))
+            slower = _median(lambda: bvhio.readAsBvh(str(path)), 5)
+    return [
+        _row(name, ours, "pybvh", theirs, target=8.0),
+        _row(name, ours, "bvhio", slower),
+        _row("the same to a clip at 30 a second", whole, "pybvh (reads only)", theirs, target=8.0),
+    ]
+
+
+def _kinematics() -> list[dict[str, Any]]:
+    from pymotion.ops import skeleton as rival
+
+    motion = _body(2000)
+    skeleton = motion.skeleton
+    ours = _median(lambda: forward(skeleton, motion.rotations, motion.root))
+    parents = np.maximum(skeleton.parents, 0)
+    theirs = _median(lambda: rival.fk(motion.rotations, motion.root, skeleton.offsets, parents))
+    return [_row("forward kinematics, 2000 frames × 31 joints", ours, "upc-pymotion", theirs)]
+
+
+def _rotations() -> tuple[Array, Array, Array]:
+    rng = np.random.default_rng(1)
+    rest = rng.normal(size=(1, len(MAJOR), 4))
+    p, q = (
+        quat.normalise(rest + 0.3 * rng.normal(size=(ALL_PAIRS, len(MAJOR), 4))) for _ in range(2)
+    )
+    return p, q, np.array([WEIGHTS["wang"][role] for role in MAJOR])
+
+
+def _distance() -> list[dict[str, Any]]:
+    """All pairs of 2,000 × 2,000 frames with eight weighted joints."""
+    p, q, weights = _rotations()
+    ours = _median(lambda: fused_angles(p, q, weights))
+    exact = _median(lambda: exact_angles(p, q, weights), 3)
+    single = _median(lambda: _numpy_single(p, q, weights), 3)
+    error = float(np.abs(fused_angles(p, q, weights) - exact_angles(p, q, weights)).max())
+    name = "pose distance, 2000 × 2000 frames × 8 joints"
+    return [
+        _row(name, ours, "NumPy arccos, float64", exact, target=15.0),
+        _row(f"{name} (largest error {error:.1g})", ours, "NumPy arccos, float64", exact,
+             faster=20.0),
+        _row(name, ours, "NumPy arccos, float32", single),
+    ]  # fmt: skip
+
+
+def _numpy_single(p: Array, q: Array, weights: Array) -> Any:
+    """The vectorised arccos version in single precision."""
+    first, second = p.astype(np.float32), q.astype(np.float32)
+    total = np.zeros((len(p), len(q)), dtype=np.float32)
+    for joint, weight in enumerate(weights.astype(np.float32)):
+        dots = np.abs(first[:, joint] @ second[:, joint].T)
+        total += weight * np.square(np.arccos(np.minimum(dots, np.float32(1))))
+    return total
+
+
+def _lengths() -> list[dict[str, Any]]:
+    """All sixty lengths of every pair, against sixty times the distance matrix."""
+    p, q, weights = _rotations()
+    distance = fused_angles(p, q, weights)
+    ours = _median(lambda: lengths_of(distance, "start-end"), 5)
+    matrix = _median(lambda: fused_angles(p, q, weights))
+    name = "optimal length of every (i, j), 60 lengths, 2000 × 2000"
+    return [_row(name, ours, "60 × the distance matrix", 60 * matrix, faster=1.0)]
+
+
+def _transition() -> list[dict[str, Any]]:
+    """Thirty frames with alignment, slerp, foot lock and forward kinematics of the blend."""
+    a, b = (unroll(walker(seed), 60, 120)[0] for seed in (0, 1))
+    i, j, frames = 90, 125, 30
+
+    def ours() -> object:
+        done = transition(a, b, i, j, frames=frames, foot_lock=True)
+        blend = slice(done.mixed[0], done.mixed[1] + 1)
+        motion = done.motion
+        return forward(motion.skeleton, motion.rotations[blend], motion.root[blend])
+
+    name = "transition of 30 frames: align, slerp, foot lock, kinematics"
+    return [
+        _row(name, _median(ours, 100), "the same blend by scipy's Slerp", _median(
+            lambda: _scipy_blend(a, b, i, j, frames), 5), target=2.0)
+    ]  # fmt: skip
+
+
+def _scipy_blend(a: Motion, b: Motion, i: int, j: int, frames: int) -> object:
+    """Slerp of every joint of every frame, as scipy offers it; no alignment, lock or kinematics."""
+    from scipy.spatial.transform import Rotation, Slerp
+
+    blended = []
+    for t in range(1, frames + 1):
+        pairs = zip(a.rotations[i + t - 1], b.rotations[j - frames + t], strict=True)
+        for pair in pairs:
+            ends = Rotation.from_quat(np.array(pair), scalar_first=True)
+            blended.append(Slerp([0.0, 1.0], ends)(t / (frames + 1)))
+    return blended
