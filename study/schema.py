@@ -50,6 +50,7 @@ class Appearance(Table):
     background: Colour = (0.5, 0.5, 0.5)
     body: str = "figure"
     colour: Colour = (0.80, 0.76, 0.72)
+    view: Literal["best", "front-left", "front-right", "behind-left", "behind-right"] = "best"
     azimuth: float = 35.0
     elevation: Annotated[float, Field(ge=-80, le=80)] = 8.0
     field_of_view: Annotated[float, Field(ge=5, le=90)] = 30.0

@@ -1,7 +1,10 @@
 """The main job whole, on a machine that can fetch nothing: generated motion, so labelled."""
 
+import html
 import json
 import os
+import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -60,3 +63,45 @@ def test_the_rehearsal_was_a_session_in_the_real_window(demo) -> None:
     assert facts["Display"]["kind"] == "psychopy"
     assert facts["Display"]["keyboard"] == "ptb"
     assert list((out / "data/sourcedata").rglob("*_flips.tsv"))
+
+
+MEASURE = """<script>
+const figures = [...document.querySelectorAll("svg")];
+const clipped = [...document.querySelectorAll("svg text")].filter(text => {
+  const box = text.getBoundingClientRect();
+  const frame = text.ownerSVGElement.getBoundingClientRect();
+  return box.left < frame.left - 1 || box.right > frame.right + 1;
+}).map(text => text.textContent);
+document.title = JSON.stringify({
+  overflow: document.documentElement.scrollWidth - window.innerWidth,
+  figures: figures.length,
+  empty: figures.filter(figure => figure.getBoundingClientRect().height < 50).length,
+  remote: performance.getEntriesByType("resource").map(entry => entry.name),
+  clipped,
+});
+</script>"""
+
+
+@pytest.mark.parametrize("width", [1000, 600])
+def test_the_report_reads_well_in_a_browser(demo, tmp_path: Path, width: int) -> None:
+    browser = shutil.which("chromium") or shutil.which("chromium-browser")
+    if browser is None:
+        pytest.skip("no chromium; `make test` installs it")
+    out, _ = demo
+    page = tmp_path / "page.html"
+    page.write_text((out / "data/derivatives/segue/report.html").read_text() + MEASURE)
+    done = subprocess.run(
+        [browser, "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run",
+         "--disable-background-networking", "--disable-component-update", "--disable-sync",
+         f"--user-data-dir={tmp_path / 'profile'}", f"--window-size={width},1200", "--dump-dom",
+         page.as_uri()],
+        capture_output=True, text=True, timeout=120,
+    )  # fmt: skip
+    title = re.search(r"<title>(\{.*?\})</title>", done.stdout, re.DOTALL)
+    assert title is not None, done.stderr
+    found = json.loads(html.unescape(title[1]))
+    assert found["figures"] >= 3
+    assert found["empty"] == 0
+    assert found["overflow"] <= 0
+    assert found["remote"] == []
+    assert found["clipped"] == []
