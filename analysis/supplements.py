@@ -22,6 +22,7 @@ from analysis.psychometric.reduced import fit_reduced
 from analysis.thresholds import ALL, Entry, Plan
 
 UNIT_D_PRIME = 1.0
+RELATIVE = "_from_reference"
 FEWEST_LEVELS = 3  # distinct values that a measure must take to be fitted
 
 
@@ -202,7 +203,9 @@ def against_shown(
             trials[clip].map(lambda hash_, name=name: known.get(hash_, {}).get(name, np.nan))
             for clip in ("clip_a", "clip_b")
         ]
-        level = (ends[1] - ends[0]).abs().astype(float)
+        # A measure that is itself a difference from the reference needs no second subtraction.
+        level = ends[1] if name.endswith(RELATIVE) else ends[1] - ends[0]
+        level = level.astype(float).abs()
         for side, part in trials.groupby("track", sort=True):
             own = level[part.index]
             kept = own.notna() & (own > 0)

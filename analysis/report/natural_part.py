@@ -7,7 +7,7 @@ from analysis.naturalness import Curve, agreement, labels, receiver_curve, score
 from analysis.report.context import Context
 from analysis.report.draw import GRID, PALE, SERIES, canvas
 from analysis.report.parts import Figure, Findings, Section, Table
-from analysis.report.words import interval, number, share
+from analysis.report.words import count, interval, number, share
 
 DRAWN = 6  # curves in the figure; the table has them all
 
@@ -27,7 +27,8 @@ def report_natural(context: Context) -> Findings:
     answers = int((found.unnatural + found.natural).sum())
     alpha = alike["krippendorff_alpha"]
     first = (
-        f"{len(found.people)} people gave {answers} answers on {len(found.clips)} clips; "
+        f"{count(len(found.people), 'person', 'people')} gave {count(answers, 'answer')} on "
+        f"{count(len(found.clips), 'clip')}; "
         f"{number(100 * unnatural, 1)}% were “unnatural”. Agreement between people: "
         f"Krippendorff's α = {share(alpha) if alpha is not None else 'not defined'}; two people "
         f"gave a clip the same answer in {number(100 * (alike['pairwise'] or 0), 1)}% of pairs."

@@ -95,11 +95,11 @@ def _sentences(context: Context, question: Question, tests: list[RatingTest]) ->
                 f"{sentence_case(question.name)} of {b} (M = {number(question.b.mean())}, "
                 f"SD = {number(_sd(question.b))}) and of {a} (M = {number(question.a.mean())}, "
                 f"SD = {number(_sd(question.a))})"
-                + (f", among people who saw {where}" if where else "")
+                + (f", among people who saw {where}," if where else "")
                 + (
-                    f", differed significantly, {higher} being rated higher"
+                    f" differed significantly, {higher} being rated higher"
                     if significant
-                    else ", did not differ significantly"
+                    else " did not differ significantly"
                 )
                 + f": Wilcoxon signed-rank test ({test.note}), {apa(test)}."
             )

@@ -44,7 +44,18 @@ def people_section(context: Context) -> Section:
             told = Counter(str(v) for v in table[column] if str(v) not in ("", "n/a"))
             if told:
                 text.append(f"{words}: {listing([f'{v} {n}' for v, n in told.most_common()])}.")
-    return Section("Who took part", text=(" ".join(text),))
+    return Section("Who took part", text=(" ".join(text),), items=_comments(table))
+
+
+def _comments(table: pd.DataFrame) -> tuple[str, ...]:
+    """Free comments after the session, as they were written."""
+    if not {"comments", "participant_id"} <= set(table):
+        return ()
+    written = table[~table["comments"].isin(["", "n/a"])]
+    return tuple(
+        f"{person}: “{comment}”"
+        for person, comment in zip(written["participant_id"], written["comments"], strict=True)
+    )
 
 
 def exclusion_section(context: Context) -> Section:

@@ -115,24 +115,25 @@ def with_measures(root: Path, factor: float) -> Path:
     records.write_dataset(root, records.odd_pair_protocol(), sessions)
     (root / "stimuli").mkdir()
     for length in lengths:
-        entry = {"measures": {"stretch": factor * length}}
+        entry = {"measures": {"stretch": factor * length, "way_from_reference": length - 10.0}}
         (root / "stimuli" / f"length-{length}.json").write_text(json.dumps(entry))
     return root
 
 
 def test_fits_against_what_was_shown(tmp_path: Path) -> None:
     found = study(with_measures(tmp_path, 0.1))
-    longer = next(fit for fit in found["against_shown"] if fit["side"] == "longer")
+    fits = {fit["measure"]: fit for fit in found["against_shown"] if fit["side"] == "longer"}
+    longer = fits["stretch"]
     pooled = next(
         entry
         for entry in found["psychometric"]
         if (entry["side"], entry["motion"], entry["participant"]) == ("longer", "all", "all")
     )
-    assert longer["measure"] == "stretch"
     assert longer["threshold"]["value"] == pytest.approx(
         0.1 * pooled["threshold"]["value"], rel=1e-3
     )
     assert longer["gain"] == pytest.approx(0, abs=1e-3)
+    assert fits["way_from_reference"]["threshold"]["value"] == pytest.approx(nominal, rel=1e-3)
 
 
 def test_what_stands_beside_a_threshold(tmp_path: Path) -> None:
@@ -188,6 +189,18 @@ def test_late_frames_have_a_figure_and_methods_a_paragraph(tmp_path: Path) -> No
     assert "a transformed up-down staircase (2 down, 1 up" in methods
     assert "a level had been answered 10 times" in methods
     assert "Beside the dissertation" in page
+
+
+def test_comments_are_quoted_and_escaped(tmp_path: Path) -> None:
+    rng = np.random.default_rng(0)
+    rows = {"a": records.odd_pair_rows(rng)}
+    data = records.write_dataset(tmp_path, records.odd_pair_protocol(), rows)
+    (data / "participants.tsv").write_text(
+        "participant_id\tage\tcomments\nsub-a\t30\tall <b>alike</b>\nsub-z\t9\tnot here\n"
+    )
+    page = write_report([data]).page.read_text()
+    assert "sub-a: “all &lt;b&gt;alike&lt;/b&gt;”" in page
+    assert "not here" not in page
 
 
 def test_a_rehearsal_alone_is_labelled(tmp_path: Path) -> None:
