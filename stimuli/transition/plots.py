@@ -17,6 +17,7 @@ from stimuli.transition.points import Point
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+MARKED = 10  # of the minima, the cheapest are marked larger
 _LEFT, _RIGHT = "#c1440e", "#1f5fa8"
 _DASHES = {"hip": "-", "knee": "--", "shoulder": "-.", "elbow": ":"}
 
@@ -64,7 +65,9 @@ def draw_cost(cost: Array, minima: Sequence[Point], names: tuple[str, str], path
     axes = figure.subplots()
     picture = axes.imshow(cost, cmap="gray", interpolation="nearest", aspect="equal")
     figure.colorbar(picture, ax=axes, label="cost (darker is cheaper)")
-    axes.plot([p.j for p in minima], [p.i for p in minima], "+", color="#ff9d5c", ms=6)
+    axes.plot([p.j for p in minima], [p.i for p in minima], ".", color="#ff9d5c", ms=2.5)
+    cheap = minima[:MARKED]
+    axes.plot([p.j for p in cheap], [p.i for p in cheap], "+", color="#ff9d5c", ms=8)
     if minima:
         best = minima[0]
         axes.plot(best.j, best.i, "o", mfc="none", mec=_LEFT, ms=11, mew=1.6)
