@@ -23,6 +23,7 @@ from analysis.psychometric.scoring import log_likelihood, maximise
 FARTHEST = 12.8  # an end farther than this many half ranges from the estimate is unbounded
 _NEAREST = 0.05
 _STEPS = 9
+_CLOSE = 1e-6  # gain in log likelihood that a step must promise: the floor is at 1.92
 _START_SLOPES = 12
 _START_LAPSES = (0.0, 0.02, 0.06)
 
@@ -109,7 +110,7 @@ def _best(
     p, q, _ = model(np.tile(starts, (count, 1)), rows)
     value = log_likelihood(p, q, correct[rows], total[rows]).reshape(count, len(starts))
     start = starts[value.argmax(1)]
-    return maximise(model, start, lower[:size], upper[:size], correct, total)[1]
+    return maximise(model, start, lower[:size], upper[:size], correct, total, _CLOSE)[1]
 
 
 def _ends(

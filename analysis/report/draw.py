@@ -47,13 +47,17 @@ class Canvas:
 
 
 @contextmanager
-def canvas(width: float = 7.2, height: float = 3.6) -> Iterator[Canvas]:
-    """A figure of `width` × `height` inches in the common style, turned to SVG at the end."""
+def canvas(width: float = 7.2, height: float = 3.6, constrained: bool = True) -> Iterator[Canvas]:
+    """A figure of `width` × `height` inches in the common style, turned to SVG at the end.
+
+    Many panels lay themselves out faster when not `constrained`.
+    """
     import matplotlib
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
 
-    with matplotlib.rc_context(_STYLE):
+    style = _STYLE | {"figure.constrained_layout.use": constrained}
+    with matplotlib.rc_context(style):
         held = Canvas(Figure(figsize=(width, height)))
         FigureCanvasSVG(held.figure)
         yield held

@@ -50,20 +50,24 @@ def _figure(context: Context, found: list[Track], people: list[str]) -> Figure:
     columns = min(3, len(shown))
     rows = -(-len(shown) // columns)
     reach = max(float(track.levels.max()) for track in found) * 1.12
-    with canvas(7.4, 0.4 + 1.25 * rows) as drawn:
+    height = 0.6 + 1.25 * rows
+    with canvas(7.4, height, constrained=False) as drawn:
         axes = drawn.figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+        drawn.figure.subplots_adjust(
+            left=0.09, right=0.99, bottom=0.42 / height, top=1 - 0.25 / height, hspace=0.3,
+            wspace=0.08,
+        )  # fmt: skip
         for axis in axes.flat[len(shown) :]:
             axis.set_visible(False)
         for axis, person in zip(axes.flat, shown, strict=False):
             axis.axhline(0, color=GRID, linewidth=1)
-            for track in found:
-                if track.participant == person:
-                    _draw(axis, track)
+            for side in SIDES:
+                _draw(axis, [t for t in found if (t.participant, t.side) == (person, side)], side)
             axis.set_title(person, fontsize=8, pad=2)
             axis.set_ylim(-reach, reach)
             axis.tick_params(labelsize=7.5)
-        drawn.figure.supxlabel("trial of the track", fontsize=9)
-        drawn.figure.supylabel("difference (frames)", fontsize=9)
+        drawn.figure.supxlabel("trial of the track", fontsize=9, y=0.08 / height)
+        drawn.figure.supylabel("difference (frames)", fontsize=9, x=0.01)
     return Figure(
         f"{context.stem}-tracks",
         "Staircase tracks: the signed difference shown at each trial of a track.",
@@ -71,9 +75,16 @@ def _figure(context: Context, found: list[Track], people: list[str]) -> Figure:
     )
 
 
-def _draw(axis: Any, track: Track) -> None:
-    x, colour = np.arange(1, len(track.differences) + 1), SIDES[track.side]
-    axis.plot(x, track.differences, color=colour, linewidth=0.8, alpha=0.7)
-    for right, face in ((1.0, colour), (0.0, "white")):
-        kept = track.correct == right
-        axis.plot(x[kept], track.differences[kept], "o", ms=2.4, mew=0.6, mec=colour, mfc=face)
+def _draw(axis: Any, own: list[Track], side: str) -> None:
+    """All tracks of one person and side: joined by gaps, so that few artists are drawn."""
+    if not own:
+        return
+    gap = np.array([np.nan])
+    x = np.concatenate([np.append(np.arange(1.0, len(t.differences) + 1), gap) for t in own])
+    y = np.concatenate([np.append(t.differences, gap) for t in own])
+    right = np.concatenate([np.append(t.correct, gap) for t in own])
+    colour = SIDES[side]
+    axis.plot(x, y, color=colour, linewidth=0.8, alpha=0.7)
+    for answer, face in ((1.0, colour), (0.0, "white")):
+        kept = right == answer
+        axis.plot(x[kept], y[kept], "o", ms=2.4, mew=0.6, mec=colour, mfc=face)

@@ -129,9 +129,8 @@ def test_fits_against_what_was_shown(tmp_path: Path) -> None:
         for entry in found["psychometric"]
         if (entry["side"], entry["motion"], entry["participant"]) == ("longer", "all", "all")
     )
-    assert longer["threshold"]["value"] == pytest.approx(
-        0.1 * pooled["threshold"]["value"], rel=1e-3
-    )
+    nominal = pooled["threshold"]["value"]
+    assert longer["threshold"]["value"] == pytest.approx(0.1 * nominal, rel=1e-3)
     assert longer["gain"] == pytest.approx(0, abs=1e-3)
     assert fits["way_from_reference"]["threshold"]["value"] == pytest.approx(nominal, rel=1e-3)
 

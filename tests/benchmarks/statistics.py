@@ -100,5 +100,6 @@ def _report() -> float:
         f"p{person:02d}": records.odd_pair_rows(rng, visits=24)[:200] for person in range(50)
     }
     with tempfile.TemporaryDirectory() as folder:
-        data = records.write_dataset(Path(folder), records.odd_pair_protocol(), sessions)
+        protocol = records.odd_pair_protocol(analysis={"at": [0.70, 0.75], "bootstrap": SAMPLES})
+        data = records.write_dataset(Path(folder), protocol, sessions)
         return seconds(lambda: write_report([data]), runs=3)
