@@ -91,3 +91,24 @@ def test_a_length_below_one_frame_is_refused_or_dropped() -> None:
         BY_GEODESIC.replace("shorter = [1]", "shorter = [1, 2, 3]\ndrop_missing = true")
     )
     assert make_plan(dropping, {"m": 2}, 1).motions[0].shorter == (1,)
+
+
+@pytest.mark.parametrize("name", ["jnd-center", "jnd-start-end"])
+def test_nothing_before_the_blend_tells_the_clips_apart(name: str, sample_motions: Path) -> None:
+    import numpy as np
+
+    from stimuli.build import resolve
+    from stimuli.build.layout import lay_out
+
+    library = Library([sample_motions])
+    spec = set_spec(load(name), "sample", library)
+    for pairing in resolve(spec, library):
+        reference = lay_out(spec, pairing, library, length=pairing.reference_length)
+        for length in pairing.lengths:
+            clip = lay_out(spec, pairing, library, length=length)
+            before = min(clip.mixed[0], reference.mixed[0])
+            for found, expected in (
+                (clip.motion.rotations, reference.motion.rotations),
+                (clip.motion.root, reference.motion.root),
+            ):
+                assert np.array_equal(found[:before], expected[:before])
