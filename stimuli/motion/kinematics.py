@@ -13,15 +13,15 @@ def forward(skeleton: Skeleton, rotations: Array, root: Array) -> tuple[Array, A
     `rotations` (..., J, 4) are local, `root` (..., 3) is where the root joint stands.
     """
     orientations = np.empty(rotations.shape)
-    positions = np.empty((*rotations.shape[:-1], 3))
     orientations[..., 0, :] = rotations[..., 0, :]
-    positions[..., 0, :] = root
     for joints, parents in skeleton.levels:
         above = orientations[..., parents, :]
         orientations[..., joints, :] = quat.multiply(above, rotations[..., joints, :])
-        positions[..., joints, :] = positions[..., parents, :] + quat.rotate(
-            above, skeleton.offsets[joints]
-        )
+    bones = quat.rotate(orientations[..., skeleton.parents, :], skeleton.offsets)
+    positions = np.empty(bones.shape)
+    positions[..., 0, :] = root
+    for joints, parents in skeleton.levels:
+        positions[..., joints, :] = positions[..., parents, :] + bones[..., joints, :]
     return positions, orientations
 
 

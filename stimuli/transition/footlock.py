@@ -30,8 +30,14 @@ def lock_feet(motion: Motion, a: Motion, b: Motion, window: Window) -> Motion:
     first = max(window.first - EASE, 0)
     rows = slice(first, min(window.last + _BEYOND + EASE, len(motion)))
     carried = _carried(contacts(a), contacts(b), window, rows)
+    blend = (window.first - first, window.last - first)
+    plants = [_touching(carried.stands[:, side], *blend) for side in range(len(SIDES))]
+    ends = [last for of_side in plants for _, last in of_side]
+    if not ends:
+        return motion
+    rows = slice(first, min(first + max(ends) + EASE + 1, rows.stop))
     pose = leg_pose(motion, rows)
-    shift = _corrections(pose, carried, window.first - first, window.last - first)
+    shift = _corrections(pose, carried.on_toe[: len(pose.toe)], plants, *blend)
     touched = np.flatnonzero(np.any(shift != 0, axis=(1, 2)))
     if not len(touched):
         return motion
@@ -55,19 +61,25 @@ def _carried(a: Contacts, b: Contacts, window: Window, rows: slice) -> Contacts:
     return Contacts(stands, (1 - part) * a.on_toe[here] + part * b.on_toe[there])
 
 
-def _corrections(pose: LegPose, carried: Contacts, start: int, end: int) -> Array:
+def _touching(stands: np.ndarray, start: int, end: int) -> list[tuple[int, int]]:
+    """Plants (first, last) of one foot that meet the blend, parted by a swing."""
+    return [(p, q) for p, q in _parted(runs(stands)) if q >= start - 1 and p <= end + 1]
+
+
+def _corrections(
+    pose: LegPose, on_toe: Array, plants: list[list[tuple[int, int]]], start: int, end: int
+) -> Array:
     """How far (N, 2, 3) on the floor the feet are to be moved in every frame."""
     slide = np.zeros_like(pose.ankle)
-    part = 0.5 * (carried.on_toe[1:] + carried.on_toe[:-1])[..., None]
+    part = 0.5 * (on_toe[1:] + on_toe[:-1])[..., None]
     slide[1:] = part * np.diff(pose.toe, axis=0) + (1 - part) * np.diff(pose.ankle, axis=0)
     slide[..., 1] = 0.0
-    sides = [_held(slide[:, k], carried.stands[:, k], start, end) for k in range(len(SIDES))]
+    sides = [_held(slide[:, k], plants[k], start, end) for k in range(len(SIDES))]
     return np.stack(sides, axis=1)
 
 
-def _held(slide: Array, stands: np.ndarray, start: int, end: int) -> Array:
+def _held(slide: Array, plants: list[tuple[int, int]], start: int, end: int) -> Array:
     """Corrections (N, 3) of one foot that take back its slide (N, 3) while it stands."""
-    plants = [(p, q) for p, q in _parted(runs(stands)) if q >= start - 1 and p <= end + 1]
     shift = np.zeros_like(slide)
     for place, (begin, last) in enumerate(plants):
         begins = max(begin, start - 1)
