@@ -39,11 +39,15 @@ class Library:
         return self._paths
 
     def find(self, name: str | Path) -> Path:
-        """The clip of that path, or the only one of that stem; else InputError."""
+        """The clip of that path, or the only one of that name; else InputError.
+
+        A name is a stem, with or without suffix, and with as many folders before it as tell it
+        from others: `05_13`, `05_13.amc`, `cmu_bvh/05_13`.
+        """
         path = Path(name)
         if path.is_file():
             return path
-        found = [p for p in self._paths if p.stem == str(name) and p.suffix not in _NEVER_FOUND]
+        found = [p for p in self._paths if _is_called(p, path) and p.suffix not in _NEVER_FOUND]
         if len(found) == 1:
             return found[0]
         places = ", ".join(str(directory) for directory in self.directories) or "no directory"
@@ -65,6 +69,12 @@ class Library:
         if path not in self._clips:
             self._clips[path] = load(path)
         return self._clips[path]
+
+
+def _is_called(path: Path, name: Path) -> bool:
+    """Whether the end of a path is that name, with the suffix or without."""
+    count = len(name.parts)
+    return name.parts in (path.parts[-count:], path.with_suffix("").parts[-count:])
 
 
 def clips_under(directory: Path) -> list[Path]:

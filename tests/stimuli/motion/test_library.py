@@ -39,10 +39,13 @@ def test_clips_are_found_by_stem_and_by_path(tmp_path):
     assert [p.stem for p in library.paths()] == ["generated-walker-0", "generated-walker-1"]
     assert library.find("generated-walker-0") == path
     assert library.find(str(path)) == path
+    assert library.find("generated-walker-0.json") == path
+    assert library.find("a/generated-walker-0") == path
     assert library.load("generated-walker-1") is library.load("generated-walker-1")
     write_walker(second, 0)
     with pytest.raises(InputError, match="found 2"):
         Library([first, tmp_path / "b"]).find("generated-walker-0")
+    assert Library([first, tmp_path / "b"]).find("a/generated-walker-0") == path
     with pytest.raises(InputError, match="found none"):
         library.find("../../generated-walker-9")
     with pytest.raises(InputError, match="nothing there"):
