@@ -5,10 +5,11 @@ function); slope and lapse rate are shared. The likelihood is integrated over th
 Gauss-Hermite quadrature, so that a person's few trials count for what they say and no more.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import minimize, root_scalar
+from scipy.optimize import minimize
 from scipy.special import chdtri
 
 from analysis.psychometric.bootstrap import PeopleCounts
@@ -18,6 +19,8 @@ from analysis.psychometric.scoring import TINY
 
 NODES = 21
 LARGEST_SD = 4.0  # of thresholds, in half ranges of the levels
+CLOSE = 2e-3  # half ranges to which an end is found
+STEPS = 30
 FARTHEST = 8.0  # an end farther than this many half ranges from the mean is unbounded
 
 
@@ -51,8 +54,8 @@ def fit_random_threshold(
     ]
     best = max((model.maximise(s) for s in starts), key=lambda found: found[1])
     theta, top = best
-    floor = top - chdtri(1, 1 - level) / 2
-    ends = [model.end(theta, floor, sign) for sign in (-1.0, 1.0)]
+    root = float(np.sqrt(chdtri(1, 1 - level)))
+    ends = [model.end(theta, top, root, sign) for sign in (-1.0, 1.0)]
     low, high = (
         float(what.function.untransform(model.centre + model.half * np.array(end))) for end in ends
     )
@@ -110,16 +113,42 @@ class _Model:
         found = minimize(lambda t: -self.value(t), clipped, method="L-BFGS-B", bounds=bounds)
         return found.x, -float(found.fun)
 
-    def end(self, theta: Array, floor: float, sign: float) -> float:
-        """Where the profile of the mean falls to `floor` on one side; ±inf if it does not."""
+    def end(self, theta: Array, top: float, root: float, sign: float) -> float:
+        """Where the signed root of the likelihood ratio reaches `root` on one side of the mean.
+
+        ±inf where it does not. The root is nearly straight in the mean, so few steps find it; each
+        starts from the last one's slope, spread and lapse rate.
+        """
+        last = theta
 
         def excess(distance: float) -> float:
-            return self.maximise(theta, float(theta[0] + sign * distance))[1] - floor
+            nonlocal last
+            last, value = self.maximise(last, float(theta[0] + sign * distance))
+            return float(np.sqrt(max(2 * (top - value), 0.0))) - root
 
-        inside, distance = 0.0, 0.1
+        inside, at_inside, distance = 0.0, -root, 0.1
         while distance <= FARTHEST:
-            if excess(distance) < 0:
-                root = root_scalar(excess, bracket=(inside, distance), xtol=1e-4)
-                return float(theta[0] + sign * root.root)
-            inside, distance = distance, distance * 2
+            found = excess(distance)
+            if found > 0:
+                bracket = (inside, at_inside), (distance, found)
+                return float(theta[0] + sign * _false_position(excess, *bracket))
+            inside, at_inside, distance = distance, found, distance * 2
         return sign * float("inf")
+
+
+def _false_position(
+    function: Callable[[float], float], below: tuple[float, float], above: tuple[float, float]
+) -> float:
+    """The root between `below` and `above`, pairs of a place and the value there, to CLOSE."""
+    (low, at_low), (high, at_high) = below, above
+    place = high
+    for _ in range(STEPS):
+        last, place = place, high - at_high * (high - low) / (at_high - at_low)
+        if abs(place - last) < CLOSE:
+            break
+        found = function(place)
+        if found < 0:
+            low, at_low, at_high = place, found, at_high / 2
+        else:
+            high, at_high, at_low = place, found, at_low / 2
+    return place
