@@ -218,7 +218,8 @@ def _open_window(
 
     file = plan.protocol.file
     clips = ClipCache(lambda key: decode(entry(manifest, key).path))
-    corner = clips[clips_of(plan)[0]][0, 0, 0]
+    first = clips_of(plan)[0]
+    corner = clips.frames([first])[first][0, 0, 0]
     look = Look(
         keys=file.keys,
         responses=task.responses,

@@ -1,7 +1,8 @@
 """Clips decoded before the trial that shows them, kept while there is room."""
 
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,14 +21,17 @@ class ClipCache:
         self._room = room
         self._held: OrderedDict[ClipKey, Frames] = OrderedDict()
 
-    def __getitem__(self, key: ClipKey) -> Frames:
-        """The frames of a clip, decoded now unless they are held."""
-        if key not in self._held:
-            self._held[key] = self._decode(key)
-            self._shrink()
-        self._held.move_to_end(key)
-        return self._held[key]
-
-    def _shrink(self) -> None:
-        while len(self._held) > 2 and sum(f.nbytes for f in self._held.values()) > self._room:
+    def frames(self, keys: Iterable[ClipKey]) -> dict[ClipKey, Frames]:
+        """The frames of these clips; those that are not held are decoded now, side by side."""
+        wanted = list(dict.fromkeys(keys))
+        missing = [key for key in wanted if key not in self._held]
+        with ThreadPoolExecutor() as pool:
+            self._held.update(zip(missing, pool.map(self._decode, missing), strict=True))
+        for key in wanted:
+            self._held.move_to_end(key)
+        while len(self._held) > len(wanted) and self._bytes() > self._room:
             self._held.popitem(last=False)
+        return {key: self._held[key] for key in wanted}
+
+    def _bytes(self) -> int:
+        return sum(frames.nbytes for frames in self._held.values())

@@ -88,7 +88,8 @@ class WindowStage:
 
     def present(self, screens: Screens, label: str) -> Presented:
         """Show each screen's clips in step; all are decoded before the first frame."""
-        decoded = [[self._clips[key] for key in keys] for keys in screens]
+        clips = self._clips.frames(key for keys in screens for key in keys)
+        decoded = [[clips[key] for key in keys] for keys in screens]
         onset, late = 0.0, 0
         for n, frames in enumerate(decoded):
             self._text(str(n + 1) if len(decoded) > 1 else "+")
