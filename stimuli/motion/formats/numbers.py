@@ -16,15 +16,20 @@ from stimuli.motion.formats.source import LARGEST_NUMBER, fault, shown
 from stimuli.motion.quaternions import Array
 
 _TODO = "The file is damaged; export it again."
+_FIRST = re.compile(r"\S")
 _POINT, _ZERO, _SPACE = b".0 "
 _MOST_DECIMALS = 15
 
 
 def parse_numbers(path: Path, text: str, start: int) -> Array:
     """All numbers of `text` from `start` on; InputError with line and word where one is none."""
-    numbers = even_decimals(text[start:])
-    if numbers is None:
+    first = _FIRST.search(text, start)
+    line_end = text.find("\n", first.start()) if first else -1
+    rest = even_decimals(text[line_end:]) if line_end >= 0 else None
+    if rest is None:
         numbers = _any_notation(path, text, start)
+    else:  # an inserted rest pose in the first line is printed otherwise
+        numbers = np.concatenate([_any_notation(path, text[:line_end], start), rest])
     if not np.all(np.abs(numbers) < LARGEST_NUMBER):
         raise _culprit(path, text, start)
     return numbers
