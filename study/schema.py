@@ -140,6 +140,9 @@ class Analysis(Table):
     bootstrap: Annotated[int, Field(ge=0)] = 2000
     exclude_catch_below: Share | None = None
     exclude_missing_above: Share | None = None
+    exclude_faster_than: Positive | None = None
+    exclude_slower_than: Positive | None = None
+    exclude_fewer_trials: Count | None = None
 
 
 class Rehearsal(Table):

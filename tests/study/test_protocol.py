@@ -4,6 +4,7 @@ import re
 
 import pytest
 
+from analysis.screening import stated_rules
 from stimuli.errors import InputError
 from study.faults import find_line
 from study.protocol import from_document, load, parse, shipped
@@ -84,6 +85,20 @@ def test_each_fault_is_named(change: tuple[str, str], path: str, word: str) -> N
     with pytest.raises(InputError) as caught:
         parse(GOOD.replace(*change))
     assert any(f": {path}: " in n and word in n for n in str(caught.value).splitlines())
+
+
+def test_every_rule_of_exclusion_can_be_stated() -> None:
+    rules = {
+        "exclude_catch_below": 0.8,
+        "exclude_missing_above": 0.2,
+        "exclude_faster_than": 0.1,
+        "exclude_slower_than": 20.0,
+        "exclude_fewer_trials": 10,
+    }
+    stated = "".join(f"{key} = {value}\n" for key, value in rules.items())
+    protocol = parse(f"{GOOD}\n[analysis]\n{stated}")
+    assert {key: getattr(protocol.file.analysis, key) for key in rules} == rules
+    assert len(stated_rules(dict(protocol.document))) == len(rules)
 
 
 def test_a_syntax_error_has_its_line() -> None:
