@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stimuli.build.ends import end_displacements
 from stimuli.build.layout import LaidOut, lay_out
 from stimuli.build.manifest import digest
 from stimuli.build.plan import ResolvedPairing
@@ -19,7 +20,6 @@ from stimuli.motion.skeleton import Motion
 from stimuli.render.bodies import Body, bone_motion, make_body
 from stimuli.render.camera import Camera
 from stimuli.render.clip import group_camera
-from stimuli.transition import Transition
 from stimuli.transition.measures import measures
 
 DIGITS = 24  # of the hash that names a clip
@@ -66,9 +66,7 @@ def plan_group(spec: SetSpec, resolved: ResolvedPairing, library: Library) -> Pl
         "fps": spec.fps,
     }
     reference = next(
-        clip.transition
-        for (_, length), clip in zip(kinds, laid, strict=True)
-        if length == resolved.anchor
+        clip for (_, length), clip in zip(kinds, laid, strict=True) if length == resolved.anchor
     )
     clips = tuple(
         _planned(spec, resolved, method, clip, reference, bone_motion(body, clip.motion), made_of)
@@ -84,7 +82,7 @@ def _planned(
     resolved: ResolvedPairing,
     method: str | None,
     clip: LaidOut,
-    reference: Transition,
+    reference: LaidOut,
     bones: NDArray[np.float32],
     made_of: Mapping[str, Any],
 ) -> PlannedClip:
@@ -101,7 +99,10 @@ def _planned(
         "first_altered": clip.altered,
         "measures": {
             name: value if value is None else round(value, 6)
-            for name, value in measures(clip.transition, reference).items()
+            for name, value in {
+                **measures(clip.transition, reference.transition),
+                **end_displacements(clip, reference),
+            }.items()
         },
         "report": _plain(clip.transition.report),
         "warnings": [remark] if remark else [],

@@ -1,0 +1,40 @@
+"""Where clips of a group lie outside the blend: measured against the group's reference."""
+
+from pathlib import Path
+
+import pytest
+
+from stimuli.build import Pairing, SetSpec, resolve
+from stimuli.build.ends import end_displacements
+from stimuli.build.layout import lay_out
+from stimuli.motion import Library, write_walker
+
+
+@pytest.fixture(scope="module")
+def library(tmp_path_factory: pytest.TempPathFactory) -> Library:
+    folder: Path = tmp_path_factory.mktemp("ends")
+    for seed in (0, 1):
+        write_walker(folder, seed)
+    return Library([folder])
+
+
+@pytest.mark.parametrize(
+    ("specification", "moves"), [("start-end", True), ("center-aligned", False)]
+)
+def test_only_start_end_lengths_move_the_end(
+    library: Library, specification: str, moves: bool
+) -> None:
+    pairing = Pairing("m", "generated-walker-0", 3, "generated-walker-1", 20)
+    spec = SetSpec(
+        "s", (pairing,), specification, reference=10, shorter=(8,), longer=(12,), foot_lock=False
+    )
+    resolved = resolve(spec, library)[0]
+    reference = lay_out(spec, resolved, library, length=10)
+    assert end_displacements(reference, reference) == {
+        "displacement_before": 0.0,
+        "displacement_after": 0.0,
+    }
+    for length in (2, 22):
+        found = end_displacements(lay_out(spec, resolved, library, length=length), reference)
+        assert found["displacement_before"] == 0.0
+        assert (found["displacement_after"] > 0.02) == moves
