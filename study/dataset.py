@@ -91,12 +91,14 @@ def runs(data: Path, participant: str, label: str) -> dict[int, Path]:
 
 
 def unfinished(data: Path, participant: str, protocol: Protocol, rehearsal: bool) -> Record | None:
-    """The participant's latest run of this protocol that was begun and not finished."""
+    """The participant's latest run of this protocol, unless it is finished.
+
+    Earlier runs were left on purpose when a later one was begun.
+    """
     for path in reversed(runs(data, participant, protocol.label).values()):
         record = reopen(path)
-        same_kind = bool(record.sidecar.get("Rehearsal")) == rehearsal
-        if same_kind and not record.sidecar.get("Finished"):
-            return record
+        if bool(record.sidecar.get("Rehearsal")) == rehearsal:
+            return None if record.sidecar.get("Finished") else record
     return None
 
 

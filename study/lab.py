@@ -38,7 +38,10 @@ OBSERVERS = ("human", "simulated")
 
 @dataclass(frozen=True)
 class Request:
-    """What was asked for: who, where the data go, and how the session is shown."""
+    """What was asked for: who, where the data go, and how the session is shown.
+
+    `restart` leaves an unfinished run as it is, without reading it.
+    """
 
     participant: str
     data: Path
@@ -46,6 +49,7 @@ class Request:
     rehearsal: bool = False
     pace: float = 1.0
     seed: int | None = None
+    restart: bool = False
     screen: int = 0
     windowed: bool = False
 
@@ -93,7 +97,9 @@ def _locked(
     open_stage: Callable[..., Stage],
 ) -> Record:
     task = TASKS[protocol.file.task]
-    earlier = unfinished(request.data, request.participant, protocol, request.rehearsal)
+    earlier = None
+    if not request.restart:
+        earlier = unfinished(request.data, request.participant, protocol, request.rehearsal)
     if earlier is not None and not resume(earlier):
         earlier = None
     seed = request.seed

@@ -46,6 +46,7 @@ def run(args: argparse.Namespace) -> int:
         rehearsal=args.rehearsal,
         pace=args.pace,
         seed=args.seed,
+        restart=args.restart,
         screen=args.screen,
         windowed=args.windowed,
     )
@@ -86,11 +87,11 @@ def _stimuli(args: argparse.Namespace, protocol: Any) -> Any:
 
 
 def _resume(args: argparse.Namespace, record: Any) -> bool:
-    """Whether to go on with an unfinished record: as the options say, else ask."""
+    """Whether to go on with an unfinished record: as --resume says, else ask."""
     from stimuli.errors import InputError
 
-    if args.resume or args.restart:
-        return bool(args.resume)
+    if args.resume:
+        return True
     done = len(record.rows())
     if not sys.stdin.isatty():
         raise InputError(

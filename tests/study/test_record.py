@@ -8,8 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from stimuli.errors import InputError
-from study.dataset import check_participant, enrol, prepare, record_path, runs
-from study.record import COMMON, create, reopen
+from study.dataset import check_participant, enrol, prepare, record_path, runs, unfinished
+from study.protocol import parse
+from study.record import COMMON, Record, create, reopen
 
 ROW = {"trial": 1, "phase": "main", "onset": 1.5, "response": "1", "void": False}
 
@@ -83,3 +84,50 @@ def test_runs_are_found_by_number(tmp_path: Path) -> None:
         create(record_path(tmp_path, "p1", "jnd", run), tuple(COMMON), {})
     create(record_path(tmp_path, "p1", "jndx", 3), tuple(COMMON), {})
     assert list(runs(tmp_path, "p1", "jnd")) == [1, 2, 10]
+
+
+PREFERENCE = """
+name = "runs"
+task = "preference"
+methods = ["geodesic", "fixed"]
+[stimuli]
+motions = [{ name = "m", from = "a", to = "b" }]
+[sets.sample]
+a = { clip = "x", frame = 1 }
+b = { clip = "y", frame = 2 }
+"""
+
+
+def begun(data: Path, run: int, **sidecar: object) -> Record:
+    return create(record_path(data, "p1", "runs", run), tuple(COMMON), sidecar)
+
+
+def test_a_table_never_stands_without_its_sidecar(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def killed(self: Record, **changes: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Record, "save_sidecar", killed)
+    with pytest.raises(KeyboardInterrupt):
+        begun(tmp_path, 1)
+    assert runs(tmp_path, "p1", "runs") == {}
+
+
+def test_only_the_latest_run_of_a_kind_can_be_unfinished(tmp_path: Path) -> None:
+    protocol = parse(PREFERENCE)
+    assert unfinished(tmp_path, "p1", protocol, rehearsal=False) is None
+    left = begun(tmp_path, 1, Finished=False)
+    begun(tmp_path, 2, Finished=True, Rehearsal=True)
+    found = unfinished(tmp_path, "p1", protocol, rehearsal=False)
+    assert found is not None
+    assert found.path == left.path
+    assert unfinished(tmp_path, "p1", protocol, rehearsal=True) is None
+    begun(tmp_path, 3, Finished=True)
+    assert unfinished(tmp_path, "p1", protocol, rehearsal=False) is None
+
+
+def test_a_run_without_sidecar_says_how_to_go_on(tmp_path: Path) -> None:
+    begun(tmp_path, 1).sidecar_path.unlink()
+    with pytest.raises(InputError, match="--restart"):
+        unfinished(tmp_path, "p1", parse(PREFERENCE), rehearsal=False)

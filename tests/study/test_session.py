@@ -3,12 +3,15 @@
 from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from stimuli.errors import InputError, InputWarning
+from study.dataset import record_path
 from study.deck import Card
+from study.lab import Request, run_session
 from study.observers import simulated
 from study.plan import Plan, make_plan
 from study.progress import Progress, advance, begin, next_trial
@@ -254,6 +257,24 @@ def test_a_rehearsal_takes_one_motion_and_short_tracks() -> None:
     table = list(rows(jnd_plan(2, rehearsal=True)))
     assert {row["motion"] for row in table} == {"locomotion"}
     assert len(table) == 8
+
+
+def test_restart_needs_nothing_of_the_run_that_it_leaves(tmp_path: Path) -> None:
+    protocol = load("jnd-center")
+    folder = tmp_path / "set"
+    folder.mkdir()
+    clip = SimpleNamespace(hash="h", document={}, path=tmp_path / "clip")
+    clip.path.touch()
+    pairings = {name: {"reference_length": k} for name, k in REFERENCES.items()}
+    manifest = SimpleNamespace(
+        directory=folder, hash="s", clips=[clip], clip=lambda *_, **__: clip, pairings=pairings
+    )
+    left = record_path(tmp_path, "p1", protocol.label, 1)
+    create(left, tuple(COMMON), {}).sidecar_path.unlink()
+    request = Request("p1", tmp_path, observer="simulated", seed=1, restart=True)
+    made = run_session(request, protocol, manifest, lambda _: True, lambda *_: Nowhere(6.0, 0.5))
+    assert made.path == record_path(tmp_path, "p1", protocol.label, 2)
+    assert left.read_text().splitlines()[1:] == []
 
 
 def test_layouts_rearrange_the_clips() -> None:
