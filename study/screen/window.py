@@ -56,6 +56,7 @@ class WindowStage:
         self._panels: dict[tuple[int, int, tuple[int, ...]], Panel] = {}
         self._zero: float | None = None
         self._zero_wall: float | None = None
+        self._listening_since = 0.0
 
     def first_flip(self) -> float | None:
         """Unix time of this stage's first flip, None before it."""
@@ -134,6 +135,7 @@ class WindowStage:
             for panel, frames in zip(panels, clips, strict=True):
                 panel.draw(frames[due.frame], (size[0], size[1]))
             if due is dues[-1]:
+                self._leave_on_quit()
                 self._window.callOnFlip(self._listen)
             if flips:
                 self._sleep_until(flips[0] + due.refresh / self._rate)
@@ -147,8 +149,11 @@ class WindowStage:
 
     def _listen(self) -> None:
         """From this flip on keys count; their times are from here."""
+        from psychopy import logging
+
         self._keyboard.clock.reset()
         self._keyboard.clearEvents()
+        self._listening_since = logging.defaultClock.getTime()
 
     def _panels_for(self, count: int, shape: tuple[int, ...]) -> list[Panel]:
         width, height = (float(v) for v in self._window.size)
@@ -202,14 +207,27 @@ class WindowStage:
             self._window.winHandle.dispatch_events()
 
     def _leave_on_quit(self) -> None:
-        if self._keyboard.getKeys([self._look.keys.quit], waitRelease=False, clear=False):
+        if self._pressed([self._look.keys.quit], clear=False):
             raise Left
+
+    def _pressed(self, names: list[str], clear: bool = True) -> list[Any]:
+        """The keys pressed since `_listen`, in order, held or already let go.
+
+        The keyboard gives those that are held and those that were let go apart.
+        """
+        keys = [
+            key
+            for let_go in (False, True)
+            for key in self._keyboard.getKeys(names, waitRelease=let_go, clear=clear)
+            if key.tDown >= self._listening_since
+        ]
+        return sorted(keys, key=lambda key: key.tDown)
 
     def _await_key(self, meanings: Mapping[str, str], seconds: float | None) -> Answer:
         """The first of the keys pressed since `_listen`, within seconds of the last frame."""
         wanted = [*meanings, self._look.keys.quit]
         while seconds is None or self._keyboard.clock.getTime() < seconds:
-            for key in self._keyboard.getKeys(wanted, waitRelease=False):
+            for key in self._pressed(wanted):
                 if key.name == self._look.keys.quit:
                     raise Left
                 if key.rt >= 0 and (seconds is None or key.rt <= seconds):

@@ -180,6 +180,71 @@ def test_leaving_keeps_the_record(place: Path, screen: str) -> None:
     assert not sidecar(place, "left")["Finished"]
 
 
+LEAVE = """
+import subprocess, threading, time
+import numpy as np
+from study.schema import Keys
+from study.screen.clips import ClipCache
+from study.screen.window import Look, WindowStage
+from study.stage import Left
+from study.trial import ClipKey
+frames = np.zeros((90, 60, 80, 3), np.uint8)
+look = Look(Keys(), ("1", "2"), 0.0, 0.6, 30.0, (127, 127, 127))
+stage = WindowStage(look, ClipCache(lambda key: frames), None, windowed=True)
+def escape():
+    time.sleep(1.0)
+    subprocess.run(["xdotool", "keydown", "Escape"], check=True)
+    time.sleep(0.1)
+    subprocess.run(["xdotool", "keyup", "Escape"], check=True)
+threading.Thread(target=escape).start()
+try:
+    stage.present(((ClipKey("a"),),), "t")
+except Left:
+    print("left")
+stage.close()
+"""
+
+
+def test_leaving_while_a_clip_plays_is_not_lost(screen: str) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", LEAVE], cwd=ROOT, capture_output=True, text=True, timeout=60
+    )
+    assert done.stdout == "left\n", done.stderr
+
+
+TAP = """
+import subprocess, time
+from study.schema import Keys
+from study.screen.clips import ClipCache
+from study.screen.window import Look, WindowStage
+look = Look(Keys(), ("1", "2"), 0.0, 0.6, 30.0, (127, 127, 127))
+stage = WindowStage(look, ClipCache(lambda key: None), None, windowed=True)
+def press(key):
+    subprocess.run(["xdotool", "keydown", key], check=True)
+    time.sleep(0.05)
+def let_go(key):
+    subprocess.run(["xdotool", "keyup", key], check=True)
+    time.sleep(0.05)
+def draw_slowly(text):
+    let_go("1")
+    press("2")
+    let_go("2")
+press("1")
+stage._text = draw_slowly
+stage._listen()
+print(stage.ask("?", 2.0, None).response)
+stage.close()
+"""
+
+
+def test_a_tap_before_the_question_is_drawn_counts(screen: str) -> None:
+    """A key let go again by then counts; one pressed before the last frame does not."""
+    done = subprocess.run(
+        [sys.executable, "-c", TAP], cwd=ROOT, capture_output=True, text=True, timeout=60
+    )
+    assert done.stdout == "2\n", done.stderr
+
+
 def test_a_bad_participant_leaves_everything_alone(place: Path, screen: str) -> None:
     before = sorted(path for path in place.rglob("*"))
     done = subprocess.run(
