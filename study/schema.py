@@ -78,11 +78,11 @@ class Keys(Table):
 
 
 class Instructions(Table):
-    """What a participant reads; a blank question takes the task's own."""
+    """What a participant reads; a blank text takes the task's own."""
 
     welcome: str = ""
     question: str = ""
-    pause: str = "Take a short break. Press SPACE to go on."
+    pause: str = ""
     thanks: str = "Thank you. The session is over."
 
 

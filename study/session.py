@@ -19,6 +19,7 @@ TOO_SLOW = (
     "this machine is too slow: trials are shown late, and no more of them are asked again; "
     "close other programs, or render smaller clips"
 )
+PAUSE = "Take a short break. Press {go_on} to go on."
 CORRECT, WRONG = "right", "not this time"
 Hash = Callable[[ClipKey], str | None]
 
@@ -40,12 +41,19 @@ class Settings:
 def settings_of(plan: Plan, task: Task) -> Settings:
     """The protocol's settings, with the task's own where the protocol is silent."""
     file = plan.protocol.file
+    seconds = file.presentation.answer_seconds or task.answer_seconds
+    named = {
+        "first": file.keys.first,
+        "second": file.keys.second,
+        "go_on": file.keys.go_on.upper(),
+        "seconds": seconds,
+    }
     return Settings(
-        question=file.instructions.question or task.question,
-        welcome=file.instructions.welcome or task.welcome,
+        question=file.instructions.question or task.question.format(**named),
+        welcome=file.instructions.welcome or task.welcome.format(**named),
         thanks=file.instructions.thanks,
-        pause=file.instructions.pause,
-        answer_seconds=file.presentation.answer_seconds or task.answer_seconds,
+        pause=file.instructions.pause or PAUSE.format(**named),
+        answer_seconds=seconds,
         late_frames_allowed=file.presentation.late_frames_allowed,
         feedback=file.presentation.feedback_in_practice,
         layout=None if file.presentation.layout == task.layout else file.presentation.layout,

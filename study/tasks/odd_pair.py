@@ -110,13 +110,15 @@ TASK = Task(
     responses=("1", "2"),
     layout="side-by-side",
     question=(
-        "Which pair held two different motions?\n\n1   the first pair        2   the second pair"
+        "Which pair held two different motions?\n\n"
+        "{first}   the first pair        {second}   the second pair"
     ),
     welcome=(
         "You will see two pairs of short animations, one pair after the other.\n"
         "In one pair the two animations are the same, in the other they differ.\n\n"
-        "Which pair held two different ones? Press 1 for the first pair, 2 for the second.\n"
-        "If you are not sure, guess.\n\nPress SPACE to begin."
+        "Which pair held two different ones? "
+        "Press {first} for the first pair, {second} for the second.\n"
+        "If you are not sure, guess.\n\nPress {go_on} to begin."
     ),
     columns={
         "motion": "the transition shown",

@@ -92,11 +92,11 @@ TASK = Task(
     name="preference",
     responses=("first", "second"),
     layout="one-after-other",
-    question="Which motion was more natural?\n\n1   the first        2   the second",
+    question="Which motion was more natural?\n\n{first}   the first        {second}   the second",
     welcome=(
         "You will see two short animations, one after the other.\n\n"
-        "Which one was more natural? Press 1 for the first, 2 for the second.\n"
-        "You have five seconds to answer.\n\nPress SPACE to begin."
+        "Which one was more natural? Press {first} for the first, {second} for the second.\n"
+        "You have {seconds:g} seconds to answer.\n\nPress {go_on} to begin."
     ),
     columns={
         "motion": "the transition shown",

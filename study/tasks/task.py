@@ -19,7 +19,8 @@ class Task:
 
     `start` gives the source of main trials, `content` draws a trial for a card, `practice` and
     `catch` give cards outside the source (None: the task has no such trials), `screens` says
-    which clips are shown together and in what order, `clips` which two the record names.
+    which clips are shown together and in what order, `clips` which two the record names. `question`
+    and `welcome` name the keys `{first}`, `{second}` and `{go_on}`, and the `{seconds}` to answer.
     """
 
     name: str

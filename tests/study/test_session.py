@@ -17,7 +17,7 @@ from study.plan import Plan, make_plan
 from study.progress import Progress, advance, begin, next_trial
 from study.protocol import Protocol, load, parse
 from study.record import COMMON, Record, create
-from study.session import arrange, replay, rows_of_plan, run
+from study.session import arrange, replay, rows_of_plan, run, settings_of
 from study.sidecar import sidecar_of
 from study.simulate import rows, simulate
 from study.stage import Answer, Left, Nowhere, Presented
@@ -275,6 +275,19 @@ def test_restart_needs_nothing_of_the_run_that_it_leaves(tmp_path: Path) -> None
     made = run_session(request, protocol, manifest, lambda _: True, lambda *_: Nowhere(6.0, 0.5))
     assert made.path == record_path(tmp_path, "p1", protocol.label, 2)
     assert left.read_text().splitlines()[1:] == []
+
+
+def test_texts_name_the_protocols_keys_and_seconds() -> None:
+    own = (
+        '[keys]\nfirst = "f"\nsecond = "j"\ngo_on = "return"\n[presentation]\nanswer_seconds = 8\n'
+    )
+    protocol = parse(PREFERENCE + own)
+    settings = settings_of(make_plan(protocol, {}, 1), TASKS["preference"])
+    assert "Press f for the first, j for the second" in settings.welcome
+    assert "8 seconds" in settings.welcome
+    assert "Press RETURN" in settings.welcome
+    assert "f   the first        j   the second" in settings.question
+    assert "Press RETURN" in settings.pause
 
 
 def test_layouts_rearrange_the_clips() -> None:
