@@ -8,7 +8,7 @@ from typing import Any, NamedTuple, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
-from study.schema import ProtocolFile
+from study.schema import Keys, ProtocolFile
 from study.staircase import RULES
 
 
@@ -116,6 +116,7 @@ def _of_wholes(document: Mapping[str, Any]) -> Iterator[Fault]:
     yield from _lengths(document)
     yield from _methods(document)
     yield from _staircase(document)
+    yield from _keys(document)
     yield from _functions(document)
     yield from _observer(document)
 
@@ -225,6 +226,16 @@ def _staircase(document: Mapping[str, Any]) -> Iterator[Fault]:
     stop = _table(document, "staircase", "stop")
     if "stop" in table and not set(stop) & {"visits", "reversals", "trials"}:
         yield Fault(("staircase", "stop"), "expected visits, reversals or trials, found none")
+
+
+def _keys(document: Mapping[str, Any]) -> Iterator[Fault]:
+    """A key has one meaning."""
+    given = _table(document, "keys")
+    meanings = {**Keys().model_dump(), **given}
+    for name, key in given.items():
+        twins = [other for other, its in meanings.items() if its == key and other != name]
+        if twins:
+            yield Fault(("keys", name), f"expected a key of its own, found that of {twins[0]}")
 
 
 def _functions(document: Mapping[str, Any]) -> Iterator[Fault]:

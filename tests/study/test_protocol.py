@@ -73,6 +73,7 @@ def test_three_faults_are_three_lines_with_places() -> None:
         (('name = "m"', 'name = "../m"'), "stimuli.motions.0.name", "pattern"),
         (("[stimuli]", "methods = ['cut', 'fixed']\n[stimuli]"), "methods", "compares lengths"),
         (("reference = 10", "reference = 'geodesic'"), "stimuli.lengths", "need a reference"),
+        (("[sets.sample]", "[keys]\nfirst = '2'\n[sets.sample]"), "keys.first", "that of second"),
         (("[sets.sample]", "[observer]\nlapse = 0.1\n[sets.sample]"), "observer.slope", "add it"),
         (
             ("[staircase]", "[analysis]\nfunction = 'line'\n[staircase]"),
