@@ -102,12 +102,11 @@ def unfinished(data: Path, participant: str, protocol: Protocol, rehearsal: bool
     return None
 
 
-def keep_stimuli(data: Path, entries: Mapping[str, Mapping[str, Any]]) -> None:
-    """Copy the manifest entries of shown clips into `stimuli/`, one file a clip."""
-    for digest, entry in entries.items():
-        path = data / "stimuli" / f"{digest}.json"
-        if not path.exists():
-            write_atomic(path, json.dumps(entry, indent=2, ensure_ascii=False) + "\n")
+def keep_stimulus(data: Path, digest: str, entry: Mapping[str, Any]) -> None:
+    """Copy the manifest entry of a clip that is shown into `stimuli/`, once."""
+    path = data / "stimuli" / f"{digest}.json"
+    if not path.exists():
+        write_atomic(path, json.dumps(entry, indent=2, ensure_ascii=False) + "\n")
 
 
 def source_folder(data: Path, participant: str) -> Path:

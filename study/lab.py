@@ -12,7 +12,7 @@ from stimuli.errors import InputError
 from study.dataset import (
     check_participant,
     enrol,
-    keep_stimuli,
+    keep_stimulus,
     prepare,
     record_path,
     runs,
@@ -109,7 +109,7 @@ def _locked(
     elif seed is None:
         seed = secrets.randbits(32)
     plan = make_plan(protocol, references_of_manifest(protocol, manifest), seed, request.rehearsal)
-    _check_clips(plan, task, manifest)
+    _check_clips(plan, manifest)
     observer = simulated(plan) if request.observer == "simulated" else None
     path = earlier.path if earlier else _new_path(request, protocol)
     stage = open_stage(request, plan, task, manifest, _flip_log(request, path))
@@ -118,10 +118,13 @@ def _locked(
         if earlier is not None:
             resumed = [*record.sidecar.get("ResumedOn", []), stage.display()]
             record.save_sidecar(ResumedOn=resumed)
-        try:
-            run(plan, stage, record, observer, lambda key: entry(manifest, key).hash)
-        finally:
-            _keep_shown(request.data, manifest, record)
+
+        def shown(key: ClipKey) -> str:
+            clip = entry(manifest, key)
+            keep_stimulus(request.data, clip.hash, clip.document)
+            return str(clip.hash)
+
+        run(plan, stage, record, observer, shown)
     finally:
         stage.close()
     return record
@@ -172,7 +175,7 @@ def _check_resumable(
             )
 
 
-def _check_clips(plan: Plan, task: Task, manifest: "Manifest") -> None:
+def _check_clips(plan: Plan, manifest: "Manifest") -> None:
     """Every clip that the plan may show lies in the set, or the session does not start."""
     lacking = [key for key in clips_of(plan) if not _exists(manifest, key)]
     if lacking:
@@ -208,11 +211,6 @@ def _exists(manifest: "Manifest", key: ClipKey) -> bool:
         return bool(entry(manifest, key).path.is_file())
     except (InputError, KeyError):
         return False
-
-
-def _keep_shown(data: Path, manifest: "Manifest", record: Record) -> None:
-    shown = {row[column] for row in record.rows() for column in ("clip_a", "clip_b")}
-    keep_stimuli(data, {e.hash: e.document for e in manifest.clips if e.hash in shown})
 
 
 def _open_window(

@@ -63,7 +63,10 @@ def _draw(progress: Progress, generator: np.random.Generator) -> tuple[str, Card
 
 
 def may_void(progress: Progress, trial: Trial, card: Card) -> bool:
-    """Whether this trial may be asked again: at most twice, and a tenth of the trials."""
+    """Whether this trial may be asked again: at most twice, and a tenth of all trials so far.
+
+    The first FIRST_VOIDS are always asked again, or a session could not begin with a late trial.
+    """
     allowed = max(FIRST_VOIDS, REPEATED_SHARE * (progress.answered + 1))
     return trial.phase == "main" and card.times < MOST_REPEATS and progress.voided < allowed
 

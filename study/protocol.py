@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -64,7 +65,9 @@ def parse(text: str, where: str = "protocol") -> Protocol:
     try:
         document = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{where}: expected TOML, found a syntax error: {error}") from error
+        line = re.search(r"at line (\d+)", str(error))
+        place = f"{where}:{line[1]}" if line else where
+        raise InputError(f"{place}: expected TOML, found a syntax error: {error}") from error
     found = faults(document)
     if found:
         raise InputError(render(found, text, where))

@@ -23,23 +23,16 @@ def choose_set(protocol: Protocol, library: "Library", name: str | None = None) 
     missing: dict[str, list[str]] = {}
     for candidate, table in sets.items():
         clips = sorted({role.clip for role in table.roles.values()})
-        missing[candidate] = [clip for clip in clips if not _found(library, clip)]
+        missing[candidate] = [clip for clip in clips if not library.candidates(clip)]
         if not missing[candidate]:
             return candidate
     lacking = "; ".join(f"{key} lacks {', '.join(clips)}" for key, clips in missing.items())
+    places = ", ".join(map(str, library.directories)) or "no directory"
     raise InputError(
-        f"{protocol.name}: expected the clips of one set among the motions, found none whole "
+        f"{protocol.name}: expected the clips of one set in {places}, found none whole "
         f"({lacking}).\nFetch the sample motions with `segue motions fetch`, or name a directory "
         "with --motions DIR."
     )
-
-
-def _found(library: "Library", clip: str) -> bool:
-    try:
-        library.find(clip)
-    except InputError:
-        return False
-    return True
 
 
 def set_spec(

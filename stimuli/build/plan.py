@@ -1,7 +1,7 @@
 """Which blend lengths a set means: reference lengths computed, differences turned into lengths."""
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 from stimuli.build.spec import Pairing, SetSpec
@@ -46,11 +46,11 @@ def resolve(spec: SetSpec, library: Library) -> tuple[ResolvedPairing, ...]:
     InputError for clips that cannot be found or joined, and for lengths below 1 unless
     `spec.drop_missing`, which drops them with a warning.
     """
+    check_pairings(spec, library)
     return tuple(_resolved(spec, pairing, library) for pairing in spec.pairings)
 
 
 def _resolved(spec: SetSpec, pairing: Pairing, library: Library) -> ResolvedPairing:
-    check_frames(pairing, library)
     if spec.reference is None:
         if not spec.methods:
             raise InputError(
@@ -83,16 +83,28 @@ def chosen_length(spec: SetSpec, pairing: Pairing, library: Library, method: str
     return METHODS[method].length(a, b, i, j, spec.specification)
 
 
-def check_frames(pairing: Pairing, library: Library) -> None:
-    """Refuse a frame that a clip does not have, and clips of different hierarchies."""
+def check_pairings(spec: SetSpec, library: Library) -> None:
+    """Refuse, all at once, frames that clips do not have and clips of different hierarchies."""
+    found = [fault for pairing in spec.pairings for fault in _faults(pairing, library)]
+    if found:
+        raise InputError("\n".join(f"set {spec.name}, {fault}" for fault in found))
+
+
+def _faults(pairing: Pairing, library: Library) -> Iterator[str]:
     places = ((pairing.from_clip, pairing.from_frame), (pairing.to_clip, pairing.to_frame))
-    for clip, frame in places:
-        last = len(library.load(clip).motion) - 1
+    motions = [library.load(clip).motion for clip, _ in places]
+    for (clip, frame), motion in zip(places, motions, strict=True):
+        last = len(motion) - 1
         if not 0 <= frame <= last:
-            raise InputError(
-                f"{pairing.name}: expected a frame from 0 to {last} of {clip}, found {frame}."
+            yield (
+                f"{pairing.name}: expected a frame from 0 to {last} of {clip} (30 a second), "
+                f"found {frame}; choose another"
             )
-    check_pair(*(library.load(clip).motion for clip, _ in places))
+    try:
+        check_pair(*motions)
+    except InputError as error:
+        told = str(error).replace("two motions: ", "")
+        yield f"{pairing.name}, {pairing.from_clip} to {pairing.to_clip}: {told}"
 
 
 def _lengths(spec: SetSpec, pairing: Pairing, reference: int) -> tuple[int, ...]:

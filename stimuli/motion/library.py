@@ -38,16 +38,20 @@ class Library:
         """All clips, sorted within each directory."""
         return self._paths
 
+    def candidates(self, name: str | Path) -> list[Path]:
+        """All clips that a name can mean: the file of that path, else clips called so."""
+        path = Path(name)
+        if path.is_file():
+            return [path]
+        return [p for p in self._paths if _is_called(p, path) and p.suffix not in _NEVER_FOUND]
+
     def find(self, name: str | Path) -> Path:
         """The clip of that path, or the only one of that name; else InputError.
 
         A name is a stem, with or without suffix, and with as many folders before it as tell it
         from others: `05_13`, `05_13.amc`, `cmu_bvh/05_13`.
         """
-        path = Path(name)
-        if path.is_file():
-            return path
-        found = [p for p in self._paths if _is_called(p, path) and p.suffix not in _NEVER_FOUND]
+        found = self.candidates(name)
         if len(found) == 1:
             return found[0]
         places = ", ".join(str(directory) for directory in self.directories) or "no directory"

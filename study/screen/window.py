@@ -239,16 +239,18 @@ class WindowStage:
     def _log(self, label: str, dues: Sequence[Due], flips: Sequence[float]) -> None:
         if self._flip_log is None:
             return
-        origin = self._zero or 0.0
+        assert self._zero is not None
+        assert self._zero_wall is not None
+        to_wall = self._zero_wall - self._zero
         lines = [
             f"{label}\t{due.frame}\t{due.refresh / self._rate:.6f}\t{flip - flips[0]:.6f}"
-            f"\t{flip - origin:.6f}\n"
+            f"\t{flip + to_wall:.6f}\n"
             for due, flip in zip(dues, flips, strict=True)
         ]
         new = not self._flip_log.exists()
         with self._flip_log.open("a", encoding="utf-8") as stream:
             if new:
-                stream.write("trial\tframe\tdue\tflip\tonset\n")
+                stream.write("trial\tframe\tdue\tflip\tunix_time\n")
             stream.writelines(lines)
 
 

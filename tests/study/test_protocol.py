@@ -103,7 +103,7 @@ def test_every_rule_of_exclusion_can_be_stated() -> None:
 
 
 def test_a_syntax_error_has_its_line() -> None:
-    with pytest.raises(InputError, match=r"line 3"):
+    with pytest.raises(InputError, match=r"^x\.toml:3: "):
         parse('name = "x"\n\ntask = = 2\n', "x.toml")
 
 
