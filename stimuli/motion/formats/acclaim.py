@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from stimuli.motion import quaternions as quat
-from stimuli.motion.formats.acclaim_skeleton import TODO, AcclaimSkeleton, Bone, read_asf
+from stimuli.motion.formats.acclaim_skeleton import REMEDY, AcclaimSkeleton, Bone, read_asf
 from stimuli.motion.formats.source import (
     LARGEST_NUMBER,
     Source,
@@ -125,13 +125,13 @@ def _read_amc(path: Path, text: str, skeleton: AcclaimSkeleton) -> _Table:
                 _check_frame(path, rows, frame - first + 1, number)
                 frame += 1
             if int(words[0]) != frame:
-                raise fault(path, f"frame {frame}", f"frame {shown(words[0])}", TODO, number)
+                raise fault(path, f"frame {frame}", f"frame {shown(words[0])}", REMEDY, number)
         elif frame is None:
-            raise fault(path, "a frame number", shown(raw), TODO, number)
+            raise fault(path, "a frame number", shown(raw), REMEDY, number)
         else:
             _add_row(path, rows, widths, words, number)
     if frame is None:
-        raise fault(path, "frames", "none", TODO)
+        raise fault(path, "frames", "none", REMEDY)
     _check_frame(path, rows, frame - first + 1, None)
     return _Table({name: np.array(values) for name, values in rows.items()}, degrees)
 
@@ -150,10 +150,10 @@ def _add_row(
     try:
         values = [float(word) for word in words[1:]]
     except ValueError:
-        raise fault(path, "numbers", shown(" ".join(words)), TODO, line) from None
+        raise fault(path, "numbers", shown(" ".join(words)), REMEDY, line) from None
     if len(values) != widths[name] or not all(abs(v) < LARGEST_NUMBER for v in values):
         raise fault(
-            path, f"{widths[name]} numbers for {name}", shown(" ".join(words), 60), TODO, line
+            path, f"{widths[name]} numbers for {name}", shown(" ".join(words), 60), REMEDY, line
         )
     rows.setdefault(name, []).append(values)
 
@@ -164,7 +164,7 @@ def _check_frame(
     """InputError unless every bone has as many rows as there are frames."""
     if not rows or any(len(values) != frames for values in rows.values()):
         odd = next((name for name, values in rows.items() if len(values) != frames), "all bones")
-        raise fault(path, "every bone once in each frame", f"{odd} missing or twice", TODO, line)
+        raise fault(path, "every bone once in each frame", f"{odd} missing or twice", REMEDY, line)
 
 
 def _by_axis(bone: Bone, values: Array) -> tuple[Array, Array]:

@@ -9,7 +9,7 @@ from stimuli.motion import quaternions as quat
 from stimuli.motion.formats.source import LARGEST_NUMBER, MOST_JOINTS, fault, shown
 from stimuli.motion.quaternions import Array
 
-TODO = "The file is damaged; take it from its source again."
+REMEDY = "The file is damaged; take it from its source again."
 _FREEDOMS = {"rx", "ry", "rz", "tx", "ty", "tz", "l"}
 
 
@@ -57,7 +57,7 @@ def read_asf(path: Path, text: str) -> AcclaimSkeleton:
     lines = _sections(path, text)
     for needed in ("root", "bonedata", "hierarchy"):
         if needed not in lines.sections:
-            raise fault(path, f"a section :{needed}", "none", TODO)
+            raise fault(path, f"a section :{needed}", "none", REMEDY)
     units = {words[0]: words[1:] for _, words in lines.sections.get("units", [])}
     degrees = not (units.get("angle") or ["deg"])[0].lower().startswith("rad")
     unit = np.pi / 180 if degrees else 1.0
@@ -66,10 +66,10 @@ def read_asf(path: Path, text: str) -> AcclaimSkeleton:
     for start, entries in _blocks(lines):
         bone = _bone(path, entries, start, unit)
         if bone.name in bones:
-            raise fault(path, "each bone once", f"{shown(bone.name)} twice", TODO, start)
+            raise fault(path, "each bone once", f"{shown(bone.name)} twice", REMEDY, start)
         bones[bone.name] = bone
         if len(bones) > MOST_JOINTS:
-            raise fault(path, f"at most {MOST_JOINTS} bones", "more", TODO, start)
+            raise fault(path, f"at most {MOST_JOINTS} bones", "more", REMEDY, start)
     order, parents = _ordered(lines, bones)
     return AcclaimSkeleton(tuple(bones[name] for name in order), tuple(parents), position, degrees)
 
@@ -93,7 +93,7 @@ def _numbers(path: Path, words: list[str], count: int, line: int) -> Array:
     except ValueError:
         numbers = np.empty(0)
     if numbers.shape != (count,) or not np.all(np.abs(numbers) < LARGEST_NUMBER):
-        raise fault(path, f"{count} numbers", shown(" ".join(words)), TODO, line)
+        raise fault(path, f"{count} numbers", shown(" ".join(words)), REMEDY, line)
     return numbers
 
 
@@ -103,7 +103,7 @@ def _root(lines: _Lines, unit: float) -> tuple[Bone, Array]:
     freedoms = tuple(word.lower() for word in entries.get("order", (0, []))[1])
     if not set(freedoms) <= _FREEDOMS or not freedoms:
         line = entries.get("order", (None, []))[0]
-        raise fault(lines.path, "an order such as TX TY TZ RX RY RZ", "another", TODO, line)
+        raise fault(lines.path, "an order such as TX TY TZ RX RY RZ", "another", REMEDY, line)
     order = _order(lines.path, *entries.get("axis", (0, ["XYZ"])))
     number, words = entries.get("orientation", (0, ["0", "0", "0"]))
     angles = _numbers(lines.path, words, 3, number) * unit
@@ -115,7 +115,7 @@ def _root(lines: _Lines, unit: float) -> tuple[Bone, Array]:
 def _order(path: Path, line: int, words: list[str]) -> str:
     order = (words or [""])[-1].upper()
     if sorted(order) != ["X", "Y", "Z"]:
-        raise fault(path, "an axis order such as XYZ", shown(" ".join(words)), TODO, line)
+        raise fault(path, "an axis order such as XYZ", shown(" ".join(words)), REMEDY, line)
     return order
 
 
@@ -132,21 +132,21 @@ def _blocks(lines: _Lines) -> list[tuple[int, dict[str, tuple[int, list[str]]]]]
         keyword = words[0].lower()
         if keyword in ("begin", "end"):
             if inside == (keyword == "begin"):
-                raise fault(lines.path, "begin and end in turn", shown(keyword), TODO, number)
+                raise fault(lines.path, "begin and end in turn", shown(keyword), REMEDY, number)
             inside = keyword == "begin"
             if inside:
                 blocks.append((number, {}))
         elif inside:
             blocks[-1][1].setdefault(keyword, (number, words[1:]))
         else:
-            raise fault(lines.path, "begin", shown(" ".join(words)), TODO, number)
+            raise fault(lines.path, "begin", shown(" ".join(words)), REMEDY, number)
     return blocks
 
 
 def _bone(path: Path, entries: dict[str, tuple[int, list[str]]], start: int, unit: float) -> Bone:
     for needed in ("name", "direction", "length", "axis"):
         if needed not in entries or not entries[needed][1]:
-            raise fault(path, f"a bone with a {needed}", "none", TODO, start)
+            raise fault(path, f"a bone with a {needed}", "none", REMEDY, start)
     direction = _numbers(path, entries["direction"][1], 3, entries["direction"][0])
     norm = float(np.linalg.norm(direction))
     length = float(_numbers(path, entries["length"][1], 1, entries["length"][0])[0])
@@ -154,7 +154,7 @@ def _bone(path: Path, entries: dict[str, tuple[int, list[str]]], start: int, uni
     order = _order(path, line, words)
     freedoms = tuple(word.lower() for word in entries.get("dof", (0, []))[1])
     if not set(freedoms) <= _FREEDOMS:
-        raise fault(path, "freedoms rx ry rz", shown(" ".join(freedoms)), TODO, entries["dof"][0])
+        raise fault(path, "freedoms rx ry rz", shown(" ".join(freedoms)), REMEDY, entries["dof"][0])
     return Bone(
         name=entries["name"][1][0],
         vector=direction / norm * length if norm else np.zeros(3),
@@ -173,10 +173,10 @@ def _ordered(lines: _Lines, bones: dict[str, Bone]) -> tuple[list[str], list[int
             continue
         for name in words:
             if name not in bones:
-                raise fault(lines.path, "a bone of :bonedata", shown(name), TODO, number)
+                raise fault(lines.path, "a bone of :bonedata", shown(name), REMEDY, number)
         for name in words[1:]:
             if name in parent_of or name == "root":
-                raise fault(lines.path, f"one parent for {name}", "two", TODO, number)
+                raise fault(lines.path, f"one parent for {name}", "two", REMEDY, number)
             parent_of[name] = words[0]
         children.setdefault(words[0], []).extend(words[1:])
     order, parents, waiting = [], [], [("root", -1)]
@@ -186,5 +186,5 @@ def _ordered(lines: _Lines, bones: dict[str, Bone]) -> tuple[list[str], list[int
         parents.append(parent)
         waiting += [(child, len(order) - 1) for child in reversed(children.get(name, []))]
     if loose := sorted(set(bones) - set(order)):
-        raise fault(lines.path, "every bone below root", f"{', '.join(loose)} loose", TODO)
+        raise fault(lines.path, "every bone below root", f"{', '.join(loose)} loose", REMEDY)
     return order, parents
