@@ -23,6 +23,8 @@ SHALLOWEST = 1e-3  # bound on the change of η over half the range of levels: be
 _CENTRES = np.linspace(-2.0, 2.0, 33)
 _STEEPNESSES = 14
 _LAPSES = (0.0, 0.02, 0.06)
+_STEP_SPACING = 2.0  # η between the starts at the steepest slope: a level or none is on the rise
+_STEP_MARGIN = 10.0  # η by which they reach beyond the levels
 
 
 @dataclass(frozen=True)
@@ -114,7 +116,8 @@ def fit_batch(
     """
     scale = scale_of(levels, what.function)
     sign = -1.0 if falling else 1.0
-    start = _best_of_grid(scale, what, sign, correct, total)
+    steepnesses = sign * np.geomspace(0.2, scale.steepest, _STEEPNESSES)
+    start = _best_start(scale, what, _CENTRES, steepnesses, correct, total)
     steep = (sign * scale.steepest, sign * SHALLOWEST)
     lower = np.array([-np.inf, min(steep), 0.0])
     upper = np.array([np.inf, max(steep), MAXIMUM_LAPSE])
@@ -125,6 +128,26 @@ def fit_batch(
         return curve(scale.z, theta, what)
 
     theta, value = maximise(model, start, lower, upper, correct, total, tolerance)
+    return _batch(what, scale, theta, value)
+
+
+def fit_steepest(fits: Batch, correct: Array, total: Array) -> Batch:
+    """The best fits (B,) to the same data whose slope is held at the steepest that is allowed."""
+    what, scale, b = fits.setting, fits.scale, fits.scale.steepest
+    reach = 1 + _STEP_MARGIN / b
+    centres = np.linspace(-reach, reach, round(2 * reach * b / _STEP_SPACING) + 1)
+    lower, upper = np.array([-np.inf, b, 0.0]), np.array([np.inf, b, MAXIMUM_LAPSE])
+    start = _best_start(scale, what, centres, np.array([b]), correct, total)
+    size = 2 + (what.lapse is None)
+
+    def model(theta: Array, _: Array) -> tuple[Array, Array, Array]:
+        return curve(scale.z, theta, what)
+
+    theta, value = maximise(model, start[:, :size], lower[:size], upper[:size], correct, total)
+    return _batch(what, scale, theta, value)
+
+
+def _batch(what: Setting, scale: Scale, theta: Array, value: Array) -> Batch:
     lapse = np.full(len(theta), what.lapse) if what.lapse is not None else theta[:, 2]
     return Batch(what, scale, theta[:, 0], theta[:, 1], lapse, value)
 
@@ -160,11 +183,12 @@ def deviance(batch: Batch, correct: Array, total: Array) -> Array:
     return np.maximum(2 * (saturated(correct, total) - batch.value), 0.0)
 
 
-def _best_of_grid(scale: Scale, what: Setting, sign: float, correct: Array, total: Array) -> Array:
-    """The start (B, 3) of highest likelihood among centres × steepnesses × lapses."""
-    steepness = np.geomspace(0.2, scale.steepest, _STEEPNESSES)
+def _best_start(
+    scale: Scale, what: Setting, centres: Array, slopes: Array, correct: Array, total: Array
+) -> Array:
+    """The start (B, 3) of highest likelihood among centres × slopes × lapses."""
     lapses = np.array(_LAPSES if what.lapse is None else (what.lapse,))
-    centre, b, lapse = (g.ravel() for g in np.meshgrid(_CENTRES, sign * steepness, lapses))
+    centre, b, lapse = (g.ravel() for g in np.meshgrid(centres, slopes, lapses))
     eta = b[:, None] * (scale.z - centre[:, None])
     span = 1 - what.guess - lapse[:, None]
     p = what.guess + span * what.function.cdf(eta)

@@ -8,13 +8,14 @@ good data (threshold inside the levels, 40 trials a level) at most 5 % are refus
 import numpy as np
 from scipy.special import chdtrc
 
-from analysis.psychometric.fit import SHALLOWEST, Batch, fit_batch
+from analysis.psychometric.fit import SHALLOWEST, Batch, fit_batch, fit_steepest
 from analysis.psychometric.functions import Array
 from analysis.psychometric.profile import threshold_interval
 from analysis.psychometric.scoring import log_likelihood
 
 CONSTANT_P = 0.05  # a likelihood ratio against a constant must have a smaller p
 CONSTANT_DF = {1: 0.5, 2: 0.5}  # degrees of freedom of that ratio, with their shares
+RIDGE = 1e-3  # log likelihood: a step that loses no more than this fits as well as the best slope
 INTERVAL = 0.95  # the profile interval that must be bounded
 
 OK = "ok"
@@ -22,7 +23,7 @@ REASONS = (
     OK,
     "the levels make no difference (likelihood ratio against a constant: p > {p:g})",
     "the proportion right falls with the level",
-    "the slope is at its bound (a step or a flat line fits best)",
+    "the slope is at its bound (a step or a flat line fits as well)",
     "the threshold lies outside the levels shown",
     "the {interval:.0%} profile interval of the threshold is unbounded",
 )
@@ -52,7 +53,10 @@ def judge(
     best = np.maximum(fits.value, falling.value)
     flat = constant_p(best, correct, total) > CONSTANT_P
     threshold = fits.threshold(at)
-    at_bound = (fits.b >= fits.scale.steepest * (1 - 1e-3)) | (fits.b <= SHALLOWEST * 1.001)
+    # Where a step is the limit, the likelihood climbs towards it on a ridge so flat that the search
+    # stops anywhere along it: what counts is what the steepest slope loses, not where it stopped.
+    step = fit_steepest(fits, correct, total).value > fits.value - RIDGE
+    at_bound = step | (fits.b <= SHALLOWEST * 1.001)
     shown = total > 0
     lowest = levels[shown.argmax(1)]
     highest = levels[len(levels) - 1 - shown[:, ::-1].argmax(1)]

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from analysis.errors import InputError
-from analysis.psychometric import FUNCTIONS, counts, people_counts, setting, summarise
+from analysis.psychometric import FUNCTIONS, counts, fit_batch, people_counts, setting, summarise
+from analysis.psychometric.fit import fit_steepest
 
 PALAMEDES = counts([0.01, 0.03, 0.05, 0.07, 0.09, 0.11], [59, 53, 68, 83, 92, 99], [100] * 6)
 
@@ -52,6 +53,37 @@ def test_reasons(right: list[int], why: str) -> None:
     found = summarise(counts([1, 2, 3, 4], right, [40] * 4), setting("logistic", 0.5, 0.0))
     assert found.verdict.startswith("not identifiable: ")
     assert any(part in found.verdict for part in why.split("|"))
+
+
+@pytest.mark.parametrize("lapse", [0.0, 0.0098, 0.05, None])
+def test_a_slope_on_the_ridge_to_a_step_is_at_its_bound(lapse: float | None) -> None:
+    """The likelihood is level from a slope of about 6 on; where the search stops says nothing."""
+    data = counts([1, 3, 6], [0, 10, 32], [2, 23, 35])
+    found = summarise(data, setting("logistic", 0.5, lapse), samples=0)
+    assert "slope is at its bound" in found.verdict
+    assert found.as_dict()["slope"] is None
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+@pytest.mark.parametrize("lapse", [0.02, None])
+def test_the_steepest_fit_finds_the_step(name: str, lapse: float | None) -> None:
+    """With levels far apart the best step is known: guessing, one level free, then lapses."""
+    levels, total = np.array([1.0, 2.0, 4.0, 8.0]), np.full((1, 4), 40.0)
+    for correct in ([[20, 33, 38, 37]], [[20, 20, 38, 38]], [[21, 19, 27, 38]]):
+        right = np.array(correct, float)
+        fits = fit_batch(levels, right, total, setting(name, 0.5, lapse))
+        found = fit_steepest(fits, right, total).value[0]
+        best = max(step_likelihood(right[0], total[0], free, lapse) for free in range(4))
+        assert best - 2e-3 < found < max(best, fits.value[0]) + 2e-3
+
+
+def step_likelihood(right: np.ndarray, total: np.ndarray, free: int, lapse: float | None) -> float:
+    def of(rate: float) -> float:
+        p = np.where(np.arange(len(right)) < free, 0.5, 1 - rate)
+        p[free] = np.clip(right[free] / total[free], 0.5, 1 - rate)
+        return float((right * np.log(p) + (total - right) * np.log1p(-p)).sum())
+
+    return max(of(rate) for rate in (np.linspace(1e-6, 0.1, 2001) if lapse is None else [lapse]))
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)
