@@ -46,6 +46,12 @@ class Session:
             isinstance(pace, int | float) and float(pace) != 1.0
         )
 
+    @property
+    def windowless(self) -> bool:
+        """Whether the session ran without a window: no frame of it was ever shown."""
+        display = self.sidecar.get("Display")
+        return isinstance(display, dict) and display.get("kind") == "none"
+
 
 @dataclass(frozen=True, eq=False)
 class Study:

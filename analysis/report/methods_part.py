@@ -71,9 +71,8 @@ def _stimuli(context: Context) -> list[str]:
     seconds = stimuli.get("seconds", 6.0)
     fps = stimuli.get("fps", 30)
     told = [
-        f"Stimuli were {kind} transitions between captured human motions, rendered offline as "
-        f"clips of {seconds:g} s at {fps:g} frames a second with the transition in the middle, "
-        "from one static camera for all clips of a pair of motions"
+        f"{_opening(context, kind)} as clips of {seconds:g} s at {fps:g} frames a second with the "
+        "transition in the middle, from one static camera for all clips of a pair of motions"
         + ("." if look.get("ground") else " and without a ground plane.")
     ]
     reference = stimuli.get("reference")
@@ -91,6 +90,19 @@ def _stimuli(context: Context) -> list[str]:
     if methods:
         told.append(f"Blend lengths were chosen by {listing([str(m) for m in methods])}.")
     return told
+
+
+def _opening(context: Context, kind: str) -> str:
+    """What the stimuli were; of sessions simulated without any, what they were to be."""
+    sets = [s.sidecar["StimulusSetHash"] for s in context.study.sessions
+            if "StimulusSetHash" in s.sidecar]  # fmt: skip
+    if sets and all(mark == "n/a" for mark in sets):
+        return (
+            "No stimuli were rendered for these answers; what follows is the protocol that they "
+            f"stand for. Stimuli are {kind} transitions between captured human motions, to be "
+            "rendered offline"
+        )
+    return f"Stimuli were {kind} transitions between captured human motions, rendered offline"
 
 
 def _lengths(stimuli: dict[str, Any]) -> str:

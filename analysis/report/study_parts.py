@@ -80,37 +80,55 @@ def exclusion_section(context: Context) -> Section:
 
 
 def timing_section(context: Context) -> Section:
-    """How the frames were shown: late frames and void trials."""
-    trials = context.study.trials
+    """How the frames were shown: late frames and void trials of sessions that had a window."""
+    trials, text = context.study.trials, []
+    windowless = [n for n, s in enumerate(context.study.sessions) if s.windowless]
+    if windowless:
+        trials = trials[~trials["session"].isin(windowless)]
+        every = len(windowless) == len(context.study.sessions)
+        who = "All sessions" if every else count(len(windowless), "session")
+        text.append(f"{who} ran without a window: no frames were shown"
+                    + ("." if every else ", and what follows leaves them out."))  # fmt: skip
+        if every:
+            return Section("Frame timing", text=tuple(text))
     if "late_frames" not in trials or trials["late_frames"].notna().sum() == 0:
-        return Section("Frame timing", text=("The records hold no frame timing.",))
+        text.append("The records hold no frame timing.")
+        return Section("Frame timing", text=(" ".join(text),))
     late = trials["late_frames"].dropna().astype(float)
-    void = int((trials["void"].fillna(0) == 1).sum()) if "void" in trials else 0
+    text.append(_late_sentence(trials, late))
     times = (
         trials["response_time"].dropna().astype(float) if "response_time" in trials else late[:0]
     )
-    text = [
-        f"{int((late == 0).sum())} of {count(len(late), 'trial')} were shown without a late frame; "
-        f"the worst had {late.max():.0f}, and {count(void, 'trial')} "
-        f"{'was' if void == 1 else 'were'} void."
-    ]
     if len(times):
         text.append(
             f"The median answer came {number(times.median())} s after the last frame "
             f"(middle half {number(times.quantile(0.25))} to {number(times.quantile(0.75))} s)."
         )
-    figures = (_late_figure(context.stem, late),) if late.max() > 0 else ()
+    if late.max() == 0:
+        return Section("Frame timing", text=(" ".join(text),))
+    return Section(
+        "Frame timing",
+        text=(" ".join(text),),
+        figures=(_late_figure(context.stem, late),),
+        tables=(_late_table(context.stem, trials),),
+    )
+
+
+def _late_sentence(trials: pd.DataFrame, late: pd.Series) -> str:
+    void = int((trials["void"].fillna(0) == 1).sum()) if "void" in trials else 0
+    return (
+        f"{int((late == 0).sum())} of {count(len(late), 'trial')} were shown without a late frame; "
+        f"the worst had {late.max():.0f}, and {count(void, 'trial')} "
+        f"{'was' if void == 1 else 'were'} void."
+    )
+
+
+def _late_table(stem: str, trials: pd.DataFrame) -> Table:
     by_person = trials.groupby(trials["participant"].astype(str))["late_frames"]
     data = pd.DataFrame(
         {"trials": by_person.size(), "late": by_person.sum(), "worst": by_person.max()}
     ).reset_index(names="participant")
-    shown = data.astype(str) if late.max() > 0 else data.head(0).astype(str)
-    tables = (
-        (Table(f"{context.stem}-timing", "Late frames by person.", data, shown),)
-        if late.max() > 0
-        else ()
-    )
-    return Section("Frame timing", text=(" ".join(text),), figures=figures, tables=tables)
+    return Table(f"{stem}-timing", "Late frames by person.", data, data.astype(str))
 
 
 def _late_figure(stem: str, late: pd.Series) -> Figure:

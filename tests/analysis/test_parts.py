@@ -190,6 +190,32 @@ def test_late_frames_have_a_figure_and_methods_a_paragraph(tmp_path: Path) -> No
     assert "Beside the dissertation" in page
 
 
+def test_no_frames_are_claimed_of_sessions_without_a_window(tmp_path: Path) -> None:
+    rng = np.random.default_rng(0)
+    protocol = records.odd_pair_protocol()
+    bare = records.write_dataset(
+        tmp_path / "bare", protocol, {"a": records.odd_pair_rows(rng)}, Display={"kind": "none"}
+    )
+    written = write_report([bare], tmp_path / "one")
+    page = written.page.read_text()
+    assert "All sessions ran without a window: no frames were shown." in page
+    assert "late frame" not in page
+    assert "after the last frame" not in page
+    assert "No stimuli were rendered" in written.document["studies"][0]["methods"]
+
+    rows = records.odd_pair_rows(rng)
+    shown = records.write_dataset(
+        tmp_path / "shown", protocol, {"b": rows}, StimulusSetHash="c" * 64
+    )
+    written = write_report([bare, shown], tmp_path / "both")
+    page = written.page.read_text()
+    assert "1 session ran without a window" in page
+    assert f"{len(rows)} of {len(rows)} trials were shown without a late frame" in page
+    methods = written.document["studies"][0]["methods"]
+    assert methods.startswith("Stimuli were center-aligned transitions")
+    assert "rendered offline as clips of 6 s" in methods
+
+
 def test_comments_are_quoted_and_escaped(tmp_path: Path) -> None:
     rng = np.random.default_rng(0)
     rows = {"a": records.odd_pair_rows(rng)}
