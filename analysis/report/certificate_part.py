@@ -9,6 +9,12 @@ from analysis.report.parts import Section
 from analysis.report.words import number, share, signed
 
 NAME = "certificate.json"
+# What a certificate would say, by task: what is simulated of a study depends on what it asks.
+MISSING = {
+    "odd-pair": "bias and coverage of its estimates under its own staircase are not known",
+    "preference": "the power of its tests is not known",
+}
+MISSING_OTHERWISE = "how long its sessions take and how they are balanced is not known beforehand"
 
 
 def certificates(data: list[Path]) -> dict[str, Any]:
@@ -31,8 +37,9 @@ def certificate_section(context: Context) -> Section:
         return Section(
             "What the design can show",
             text=(
-                "There is no certificate of this protocol: bias and coverage of its estimates "
-                "under its own staircase are not known. “segue certify” simulates them.",
+                "There is no certificate of this protocol: "
+                f"{MISSING.get(context.study.task, MISSING_OTHERWISE)}. “segue certify” simulates "
+                "the protocol to find out.",
             ),
         )
     told = [
