@@ -236,3 +236,9 @@ def test_a_rehearsal_alone_is_labelled(tmp_path: Path) -> None:
     written = write_report([data])
     assert written.document["studies"][0]["rehearsal"]
     assert "A rehearsal:" in written.page.read_text()
+
+
+def test_a_missing_certificate_is_told_by_task(study_one: Path, tmp_path: Path) -> None:
+    page = write_report([study_one], tmp_path).page.read_text()
+    assert "no certificate of this protocol: the power of its tests" in page
+    assert "staircase" not in page
