@@ -1,5 +1,6 @@
 """Staircase tracks: their levels in order, reversals and the estimates they end with."""
 
+from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
@@ -59,18 +60,13 @@ def stop_level(levels: Array) -> float | None:
 
     Under the visits rule (Wang VI.3) that is the level whose tenth answer ended the track.
     """
-    if len(levels) == 0:
-        return None
-    visits: dict[float, int] = {}
-    for level in levels:
-        visits[level] = visits.get(level, 0) + 1
-    most = max(visits.values())
-    counted: dict[float, int] = {}
-    for level in levels:
-        counted[level] = counted.get(level, 0) + 1
-        if counted[level] == most:
-            return float(level)
-    return None
+    visits: Counter[float] = Counter()
+    leader: float | None = None
+    for level in map(float, levels):
+        visits[level] += 1
+        if leader is None or visits[level] > visits[leader]:
+            leader = level
+    return leader
 
 
 def staircase_threshold(found: list[Track]) -> dict[str, float | None]:

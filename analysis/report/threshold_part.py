@@ -28,6 +28,8 @@ from analysis.report.words import (
 from analysis.supplements import against_shown, differences, supplement
 from analysis.thresholds import ALL, Entry, entries, plan_of, prepared, signed_threshold
 
+# Told as report.json tells them: nothing of a fit whose first threshold the verdict denies.
+OF_THE_FIT = ("slope", "lapse", "deviance", "deviance_p")
 SIDE_WORDS = {"shorter": "shorter blends", "longer": "longer blends"}
 
 
@@ -113,31 +115,30 @@ def _table(name: str, found: list[Entry]) -> Table:
             "value": value.value,
             "low": value.low,
             "high": value.high,
-            "slope": entry.summary.slope,
-            "lapse": entry.summary.lapse,
-            "deviance": entry.summary.deviance,
-            "deviance_p": entry.summary.deviance_p,
+            **{name: told[name] for name in OF_THE_FIT},
             "stop_level": entry.staircase["stop_level"],
             "reversal_mean": entry.staircase["reversal_mean"],
             "verdict": verdict,
         }
         for entry in found
+        for told in [entry.summary.as_dict()]
         for place, (threshold, verdict) in enumerate(
             zip(entry.summary.thresholds, entry.summary.verdicts, strict=True)
         )
         for value in [signed_threshold(entry, place)]
     ]
     data = pd.DataFrame(rows)
-    denied = data["verdict"] != "ok"
-    data.loc[denied, ["value", "low", "high"]] = np.nan
+    numbers = ["value", "low", "high", *OF_THE_FIT]
+    data[numbers] = data[numbers].astype(float)
+    data.loc[data["verdict"] != "ok", ["value", "low", "high"]] = np.nan
     for column in ("value", "low", "high"):
-        data.loc[~np.isfinite(data[column].astype(float)), column] = np.nan
+        data.loc[~np.isfinite(data[column]), column] = np.nan
     return Table(
         name,
         "Thresholds in frames of blend length beyond the reference (signed).",
         data,
         _shown(data),
-        "“Last level” is the level answered most often, “reversals” the mean at the track's "
+        "“Most visited” is the level answered most often, “reversals” the mean at the track's "
         "turns; both are means over tracks. A dash: not identifiable, or no bound.",
     )
 
@@ -158,9 +159,9 @@ def _shown(data: pd.DataFrame) -> pd.DataFrame:
                 f"{signed(low)} to {signed(high)}" if low == low or high == high else "–"
                 for low, high in zip(data["low"], data["high"], strict=True)
             ],
-            "Slope": data["slope"].where(data["verdict"] == "ok").map(number),
+            "Slope": data["slope"].map(number),
             "Deviance p": data["deviance_p"].map(lambda p: share(p, 3)),
-            "Last level": data["stop_level"].map(signed),
+            "Most visited": data["stop_level"].map(signed),
             "Reversals": data["reversal_mean"].map(signed),
         }
     )

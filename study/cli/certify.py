@@ -125,7 +125,7 @@ def describe(entry: dict[str, Any]) -> str:
     for row in entry.get("thresholds", []):
         lines.append(
             f"threshold {row['side']} {row['truth']:+g}: fit {_spread(row['fit'])}, reversals "
-            f"{_spread(row['reversal_mean'])}, last level {_spread(row['stop_level'])}; interval "
+            f"{_spread(row['reversal_mean'])}, most visited {_spread(row['stop_level'])}; interval "
             f"covers {row['coverage']:.2f}, identifiable {row['identifiable']:.2f}"
         )
     for test, share in entry.get("finds", {}).items():

@@ -242,3 +242,23 @@ def test_a_missing_certificate_is_told_by_task(study_one: Path, tmp_path: Path) 
     page = write_report([study_one], tmp_path).page.read_text()
     assert "no certificate of this protocol: the power of its tests" in page
     assert "staircase" not in page
+
+
+def test_the_tables_tell_nothing_of_a_denied_fit_that_the_document_does_not(
+    tmp_path: Path,
+) -> None:
+    """Chance answers: both sides are denied, whatever the fits have for numbers."""
+    rng = np.random.default_rng(5)
+    rows = [row | {"correct": number % 2} for number, row in enumerate(records.odd_pair_rows(rng))]
+    data = records.write_dataset(tmp_path, records.odd_pair_protocol(), {"a": rows})
+    written = write_report([data])
+    tables = written.page.parent / "tables"
+    table = pd.read_csv(tables / "jnd-center-center-aligned-thresholds.csv")
+    assert {entry["deviance_p"] for entry in written.document["studies"][0]["psychometric"]} == {
+        None
+    }
+    assert (table["verdict"] != "ok").all()
+    assert table[["value", "slope", "lapse", "deviance", "deviance_p"]].isna().all(axis=None)
+    page = written.page.read_text()
+    assert "Most visited" in page
+    assert "Last level" not in page

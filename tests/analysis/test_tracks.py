@@ -28,4 +28,6 @@ def test_first_reversals_are_left_out_where_there_are_enough() -> None:
 def test_stop_level_is_the_first_to_be_visited_most() -> None:
     assert stop_level(np.array([3, 2, 2, 3, 2.0])) == 2
     assert stop_level(np.array([3, 2, 2, 3.0])) == 2
+    assert stop_level(np.array([1, 1, 4, 4, 4, 1.0])) == 4
+    assert stop_level(np.array([2, 1, 1, 2.0])) == 1
     assert stop_level(np.array([])) is None
