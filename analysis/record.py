@@ -40,11 +40,12 @@ class Session:
         return found if isinstance(found, dict) else {}
 
     @property
-    def rehearsal(self) -> bool:
+    def kept_apart(self) -> str | None:
+        """Why the session is never pooled: it is a "rehearsal", or it was "paced"; else None."""
+        if self.sidecar.get("Rehearsal"):
+            return "rehearsal"
         pace = self.sidecar.get("Pace", 1.0)
-        return bool(self.sidecar.get("Rehearsal")) or (
-            isinstance(pace, int | float) and float(pace) != 1.0
-        )
+        return "paced" if isinstance(pace, int | float) and float(pace) != 1.0 else None
 
     @property
     def windowless(self) -> bool:
@@ -55,7 +56,7 @@ class Session:
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """The sessions of one protocol; `set_aside` are rehearsals that are not pooled."""
+    """The sessions of one protocol; `set_aside` are rehearsed or paced ones, never pooled."""
 
     name: str
     task: str
@@ -76,6 +77,11 @@ class Study:
                 table["participant"] = session.participant
             parts.append(table)
         return pd.concat(parts, ignore_index=True) if parts else pd.DataFrame()
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """What sets this study apart from one that counts: "paced", "rehearsal", both or none."""
+        return tuple(sorted({s.kept_apart for s in self.sessions if s.kept_apart}))
 
     @property
     def faults(self) -> tuple[str, ...]:
@@ -269,7 +275,7 @@ def _home(path: Path) -> Path:
 
 
 def _studies(sessions: list[Session]) -> list[Study]:
-    """Sessions by protocol and its hash; rehearsals apart from the sessions that count."""
+    """Sessions by protocol and its hash; rehearsed and paced ones apart from those that count."""
     groups: dict[tuple[str, str, str], list[Session]] = {}
     for session in sessions:
         mark = str(session.sidecar.get("ProtocolHash") or "")
@@ -277,8 +283,8 @@ def _studies(sessions: list[Session]) -> list[Study]:
     merged = _adopted(groups)
     studies = []
     for (_, task, _), members in sorted(merged.items()):
-        real = [session for session in members if not session.rehearsal]
-        trial = [session for session in members if session.rehearsal]
+        real = [session for session in members if not session.kept_apart]
+        trial = [session for session in members if session.kept_apart]
         protocol = next((s.protocol for s in members if s.protocol), {})
         name = str(protocol.get("name") or members[0].name)
         studies.append(

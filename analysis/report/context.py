@@ -45,7 +45,7 @@ class Context:
     def stem(self) -> str:
         """The study's name as the beginning of file names."""
         plain = re.sub(r"[^A-Za-z0-9]+", "-", self.study.name).strip("-").lower()[:40] or "study"
-        return plain + ("-rehearsal" if self.study.rehearsal else "")
+        return "-".join((plain, *self.study.labels))
 
 
 Report = Callable[[Context], Findings]

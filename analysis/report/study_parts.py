@@ -68,10 +68,10 @@ def exclusion_section(context: Context) -> Section:
     for exclusion in context.screened.exclusions:
         who = f" ({listing(exclusion.participants)})" if exclusion.participants else ""
         items.append(f"{exclusion.rule}: {count(exclusion.trials, 'trial')}{who}.")
-    if context.study.set_aside:
-        items.append(
-            f"{count(len(context.study.set_aside), 'rehearsal session')}, never pooled with others."
-        )
+    apart = Counter(session.kept_apart for session in context.study.set_aside)
+    items += [
+        f"{count(n, f'{kind} session')}, never pooled with others." for kind, n in apart.items()
+    ]
     faults = context.study.faults
     items.extend(faults[:MOST_FAULTS])
     if len(faults) > MOST_FAULTS:

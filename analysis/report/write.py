@@ -32,6 +32,12 @@ TASKS: dict[str, Report] = {
     "natural": report_natural,
 }
 
+APART = {
+    "rehearsal": "A rehearsal: short clips and short tracks.",
+    "paced": "Paced: time ran faster or slower than for people.",
+}
+NOT_EVIDENCE = "These figures show that the study runs; they say nothing about how people see."
+
 
 @dataclass(frozen=True, eq=False)
 class StudyReport:
@@ -181,12 +187,8 @@ def _subtitle(context: Context) -> str:
 
 
 def _warnings(context: Context) -> tuple[str, ...]:
-    study, told = context.study, []
-    if study.rehearsal:
-        told.append(
-            "A rehearsal: short clips, short tracks or hurried time. These figures show that the "
-            "study runs; they say nothing about how people see."
-        )
+    study = context.study
+    told = [f"{APART[label]} {NOT_EVIDENCE}" for label in study.labels]
     observers = {str(session.sidecar.get("Observer", "human")) for session in study.sessions}
     if "simulated" in observers:
         who = "All" if observers == {"simulated"} else "Some"

@@ -9,7 +9,7 @@ import pytest
 
 from analysis.mixed import Mixed
 from analysis.preferences import Contest
-from analysis.report import write_report
+from analysis.report import Written, write_report
 from analysis.report.preference_part import mixed_sentence
 from tests.analysis import records
 
@@ -236,6 +236,29 @@ def test_a_rehearsal_alone_is_labelled(tmp_path: Path) -> None:
     written = write_report([data])
     assert written.document["studies"][0]["rehearsal"]
     assert "A rehearsal:" in written.page.read_text()
+    assert all("-rehearsal-" in name for name in files_of(written))
+
+
+def files_of(written: Written) -> list[str]:
+    out = written.page.parent
+    return [path.name for kind in ("figures", "tables") for path in (out / kind).iterdir()]
+
+
+def test_a_paced_session_is_named_as_paced(tmp_path: Path) -> None:
+    rng = np.random.default_rng(0)
+    protocol, rows = records.odd_pair_protocol(), {"a": records.odd_pair_rows(rng)}
+    paced = records.write_dataset(tmp_path / "paced", protocol, rows, Pace=20.0)
+    written = write_report([paced], tmp_path / "one")
+    page = written.page.read_text()
+    assert "Paced: time ran faster" in page
+    assert "rehearsal" not in page.lower()
+    assert files_of(written)
+    assert all(name.startswith("jnd-center-paced-") for name in files_of(written))
+
+    real = records.write_dataset(tmp_path / "real", protocol, {"b": rows["a"]})
+    written = write_report([paced, real], tmp_path / "both")
+    assert "1 paced session, never pooled with others." in written.page.read_text()
+    assert not any("paced" in name for name in files_of(written))
 
 
 def test_a_missing_certificate_is_told_by_task(study_one: Path, tmp_path: Path) -> None:
