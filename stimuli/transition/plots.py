@@ -22,7 +22,9 @@ _LEFT, _RIGHT = "#c1440e", "#1f5fa8"
 _DASHES = {"hip": "-", "knee": "--", "shoulder": "-.", "elbow": ":"}
 
 
-def draw_lengths(a: Motion, b: Motion, i: int, j: int, specification: str, path: Path) -> None:
+def draw_lengths(
+    a: Motion, b: Motion, i: int, j: int, specification: str, path: Path, title: str = ""
+) -> None:
     """The cost against blend length as in Fig. V.2, and each joint's as in Fig. V.6."""
     from matplotlib.figure import Figure
 
@@ -37,10 +39,11 @@ def draw_lengths(a: Motion, b: Motion, i: int, j: int, specification: str, path:
         f"{best + 1} frames, {(best + 1) / a.fps:.2f} s",
         (best + 1, costs[best]),
         textcoords="offset points",
-        xytext=(6, 8),
+        xytext=(0, -18),
+        ha="center",
     )
     whole.set_ylabel("mean weighted distance (rad²)")
-    whole.set_title(f"Cost of a {specification} blend from frame {i} to frame {j}")
+    whole.set_title(title or f"Cost of a {specification} blend from frame {i} to frame {j}")
     for role, curve in joint_curves(a, b, i, j, specification).items():
         side, _, limb = role.partition("_")
         color = _LEFT if side == "left" else _RIGHT

@@ -32,7 +32,8 @@ def run(args: argparse.Namespace) -> int:
     if args.out:
         from stimuli.transition.plots import draw_lengths
 
-        draw_lengths(a.motion, b.motion, a.place, b.place, args.specification, args.out)
+        title = f"{a.clip.name}:{a.frame} to {b.clip.name}:{b.frame}, {args.specification}"
+        draw_lengths(a.motion, b.motion, a.place, b.place, args.specification, args.out, title)
     if args.json:
         print_json(found)
     else:
