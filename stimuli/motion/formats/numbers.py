@@ -1,9 +1,9 @@
 """A long run of decimal numbers, parsed in one call.
 
-Exporters write all their numbers with as many digits behind the point (a 0 may stand alone).
-Without the points those are whole numbers, which are read three times as fast; one division by a
-power of ten gives the correctly rounded number where the mantissa is below 2⁵³. Any other notation
-goes through NumPy's parser of decimals.
+Without their points decimal numbers are whole ones, which are read several times as fast; one
+multiplication or division by a power of ten then gives the correctly rounded number, as long as
+the mantissa is below 2⁵³ and the power at most 22. A few numbers beyond are read one by one; a text
+of anything else goes through NumPy's parser of decimals.
 """
 
 import re
@@ -16,55 +16,112 @@ from stimuli.motion.formats.source import LARGEST_NUMBER, fault, shown
 from stimuli.motion.quaternions import Array
 
 _TODO = "The file is damaged; export it again."
-_FIRST = re.compile(r"\S")
-_POINT, _ZERO, _SPACE = b".0 "
-_MOST_DECIMALS = 15
+_POINT, _SPACE, _ZERO = np.frombuffer(b". 0", dtype=np.uint8)
+_SMALL, _CAPITAL = b"eE"
+_AS_SPACE = bytes.maketrans(b"eE", b"  ")
+_MOST_EXACT = 2**53  # a larger mantissa is rounded before it is scaled
+_POWERS = 10.0 ** np.arange(23)  # the powers of ten that a double holds exactly
+_FEW = 0.02  # of all numbers, read one by one
 
 
 def parse_numbers(path: Path, text: str, start: int) -> Array:
     """All numbers of `text` from `start` on; InputError with line and word where one is none."""
-    first = _FIRST.search(text, start)
-    line_end = text.find("\n", first.start()) if first else -1
-    rest = even_decimals(text[line_end:]) if line_end >= 0 else None
-    if rest is None:
+    numbers = scaled_mantissas(text[start:])
+    if numbers is None:
         numbers = _any_notation(path, text, start)
-    else:  # an inserted rest pose in the first line is printed otherwise
-        numbers = np.concatenate([_any_notation(path, text[:line_end], start), rest])
     if not np.all(np.abs(numbers) < LARGEST_NUMBER):
         raise _culprit(path, text, start)
     return numbers
 
 
-def even_decimals(text: str) -> Array | None:
-    """Numbers with as many digits behind the point each; None when there is anything else."""
+def scaled_mantissas(text: str) -> Array | None:
+    """Numbers read as whole mantissas times powers of ten; None when there is anything else."""
     try:
-        codes = np.frombuffer(f" {text} ".encode("ascii"), dtype=np.uint8)
+        data = f" {text} ".encode("ascii")
     except UnicodeEncodeError:
         return None
+    codes = np.frombuffer(data, dtype=np.uint8)
+    inside = codes > _SPACE
+    letters = _letters(data, codes)
+    inside[letters] = False  # an exponent counts as a word of its own, and is read as one
+    ends = np.flatnonzero(inside[:-1] > inside[1:]) + 1
+    whole = _whole_numbers(data.translate(_AS_SPACE, b"."))
+    if whole is None or len(whole) != len(ends) or not _end_in_digits(codes, ends):
+        return None
     points = np.flatnonzero(codes == _POINT)
-    if not len(points):
+    decimals = _decimals(points, ends)
+    if decimals is None:
         return None
-    blank = codes <= _SPACE
-    decimals = int(np.argmax(blank[points[0] + 1 : points[0] + 2 + _MOST_DECIMALS]))
-    if not (decimals and points[-1] + decimals + 1 < len(codes)):
-        return None
-    if not np.all(blank[points + decimals + 1]) or np.any(np.diff(points) <= decimals):
-        return None
-    lone_zeros = np.count_nonzero((codes[1:-1] == _ZERO) & blank[:-2] & blank[2:])
-    mantissas = _whole_numbers(text.replace(".", ""))
-    if mantissas is None or len(mantissas) != len(points) + lone_zeros:
-        return None
-    if np.abs(mantissas).max() >= 2**53:
-        return None
-    return np.asarray(mantissas / 10.0**decimals)
+    if len(letters):
+        owners = np.searchsorted(ends, letters)
+        exponents = owners + 1
+        sound = inside[letters - 1] & inside[letters + 1]
+        if not np.all(sound) or np.any(decimals[exponents]) or np.any(np.diff(owners) == 1):
+            return None
+        decimals[owners] -= whole[exponents]
+        ends[owners] = ends[exponents]
+        number = np.ones(len(whole), dtype=bool)
+        number[exponents] = False
+        whole, decimals, ends = whole[number], decimals[number], ends[number]
+    return _scaled(whole, decimals, data, ends)
 
 
-def _whole_numbers(text: str) -> np.ndarray | None:
+def _end_in_digits(codes: np.ndarray, ends: np.ndarray) -> bool:
+    """Whether every word does, points apart: NumPy takes a sign alone for the next word's."""
+    last = codes[ends - 1]
+    digits = last - _ZERO <= 9  # wraps around below 0
+    return bool(np.all(digits | ((last == _POINT) & (codes[ends - 2] - _ZERO <= 9))))
+
+
+def _letters(data: bytes, codes: np.ndarray) -> np.ndarray:
+    """Where the exponents' letters stand."""
+    if b"e" not in data and b"E" not in data:
+        return np.empty(0, dtype=np.intp)
+    return np.flatnonzero((codes == _SMALL) | (codes == _CAPITAL))
+
+
+def _decimals(points: np.ndarray, ends: np.ndarray) -> np.ndarray | None:
+    """Digits behind the point of every word; None where a word has two points."""
+    if len(points) == len(ends) and np.all(points < ends) and np.all(points[1:] > ends[:-1]):
+        return np.asarray(ends - points - 1)
+    decimals = np.zeros(len(ends), dtype=np.int64)
+    words = np.searchsorted(ends, points)
+    if np.any(words[1:] == words[:-1]):
+        return None
+    decimals[words] = ends[words] - points - 1
+    return decimals
+
+
+def _scaled(whole: np.ndarray, decimals: np.ndarray, data: bytes, ends: np.ndarray) -> Array | None:
+    """whole / 10^decimals, correctly rounded; None where too many numbers need another way."""
+    beyond: np.ndarray = np.empty(0, dtype=np.intp)
+    if _largest(whole) >= _MOST_EXACT or _largest(decimals) >= len(_POWERS):
+        beyond = np.flatnonzero((np.abs(whole) >= _MOST_EXACT) | (np.abs(decimals) >= len(_POWERS)))
+        if len(beyond) > _FEW * len(whole):
+            return None
+        decimals[beyond] = 0
+    if decimals.min() >= 0:
+        numbers = whole / _POWERS[decimals]
+    else:
+        scale = _POWERS[np.abs(decimals)]
+        numbers = np.where(decimals < 0, whole * scale, whole / scale)
+    for place in beyond:
+        before = ends[place - 1] if place else 0
+        numbers[place] = float(data[before : ends[place]])
+    return np.asarray(numbers)
+
+
+def _largest(values: np.ndarray) -> int:
+    """The largest magnitude of whole numbers."""
+    return max(int(values.max()), -int(values.min()))
+
+
+def _whole_numbers(data: bytes) -> np.ndarray | None:
     """Whole numbers between blanks; None when there is anything else."""
     with warnings.catch_warnings():
         warnings.simplefilter("error", DeprecationWarning)
         try:
-            return np.fromstring(text, dtype=np.int64, sep=" ")
+            return np.fromstring(data, dtype=np.int64, sep=" ")
         except (DeprecationWarning, ValueError):
             return None
 

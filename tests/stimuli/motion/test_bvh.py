@@ -12,7 +12,7 @@ from stimuli.motion import Motion, forward, load
 from stimuli.motion import quaternions as quat
 from stimuli.motion.formats.bvh import read_bvh
 from stimuli.motion.formats.bvh_write import write_bvh
-from stimuli.motion.formats.numbers import even_decimals, parse_numbers
+from stimuli.motion.formats.numbers import parse_numbers, scaled_mantissas
 
 PATH = Path("clip.bvh")
 HEAD = """HIERARCHY
@@ -179,8 +179,21 @@ decimals = st.floats(-1e7, 1e7, allow_nan=False)
 @given(st.lists(decimals, min_size=1, max_size=200), st.integers(0, 9), st.sampled_from(" \n\t"))
 def test_even_decimals_are_what_python_reads(values, digits, gap):
     words = [f"{value:.{digits}f}" for value in values]
-    text = gap.join(words)
-    found = parse_numbers(PATH, text, 0)
+    found = parse_numbers(PATH, gap.join(words), 0)
+    assert found.tolist() == [float(word) for word in words]
+
+
+NOTATIONS = st.one_of(
+    st.tuples(decimals, st.integers(0, 9)).map(lambda pair: f"{pair[0]:.{pair[1]}f}"),
+    st.tuples(decimals, st.integers(0, 12)).map(lambda pair: f"{pair[0]:.{pair[1]}e}"),
+    st.tuples(decimals, st.integers(1, 12)).map(lambda pair: f"{pair[0]:.{pair[1]}G}"),
+    st.sampled_from(["0", "-0.0", "+3.50", "-.07", "2.", "1e-300", "4E+02", "000.10"]),
+)
+
+
+@given(st.lists(NOTATIONS, min_size=1, max_size=200))
+def test_mixed_notations_are_what_python_reads(words):
+    found = parse_numbers(PATH, "\n".join(words), 0)
     assert found.tolist() == [float(word) for word in words]
 
 
@@ -191,15 +204,17 @@ def test_any_notation_is_what_python_reads(values):
     assert np.allclose(found, values, rtol=1e-15, atol=0)
 
 
+def test_a_few_numbers_beyond_a_double_s_digits_are_read_one_by_one():
+    words = ["1.25"] * 300 + ["12345678901234567.25", "7e-200", "1" * 25, "-0.1234567890123456789"]
+    words = [*words, *["-3.5e2"] * 100]
+    assert scaled_mantissas(" ".join(words)).tolist() == [float(word) for word in words]
+
+
 @pytest.mark.parametrize(
     "text",
-    ["1e3", "1.2.3", "1-2", "12345678901234567.25", "é", ".", "1 . 2", "-", "nan", "1,5", "", "7",
-     "1.25 3", "1.25 0.5", "1.2e5 1.25", "0.0000000000000001", "1.", "..5 1.5", "1.5 .", "0x1.5"],
+    ["1.2.3", "1-2", "12345678901234567.25", "é", ".", "1 . 2", "-", "nan", "1,5", "", " ", "1.-5",
+     "1e5.2", "1e", "e5", "1e5e3", "1 e5", "1e 5", "1e-", "..5 1.5", "1.5 .", "0x1.5", "1e5.0 2",
+     "1 - 2", "-. 5"],
 )  # fmt: skip
-def test_what_is_no_even_decimal_is_left_to_the_general_parser(text):
-    assert even_decimals(text) is None
-
-
-def test_even_decimals_and_zeros_that_stand_alone():
-    text = "0 -0.50 12.25 -180.00\t.25 0 \n+3.50 -.07 123456789.12 0"
-    assert even_decimals(text).tolist() == [float(word) for word in text.split()]
+def test_what_is_no_plain_number_is_left_to_the_general_parser(text):
+    assert scaled_mantissas(text) is None
