@@ -1,0 +1,72 @@
+"""How far a foot is to be moved in every frame so that it does not slide while it stands.
+
+The correction x minimises what is left of the slide while the foot stands, the acceleration that it
+adds, and its size: a smoothing spline through the swings, stiff where the foot is planted. Where a
+swing is too short to bring the foot from one place to the next, a little slide is left instead of a
+jerk. Before the blend's last step of A and after the plants that the blend touches it is nothing.
+"""
+
+import numpy as np
+from scipy.linalg import solveh_banded
+
+from stimuli.motion.quaternions import Array
+
+EASE = 10  # frames at the most over which a correction comes, before a blend
+SETTLE = 16  # frames at the most over which it goes, after a plant
+HELD = 300.0  # frames²: what a metre a frame of slide counts beside a metre a frame² added
+SMALL = 1e-4  # the same for a metre of correction, a frame⁴
+FARTHEST = 0.50  # metres that a foot is moved at the most; beyond, it is held in part
+
+Plant = tuple[int, int]  # first and last frame
+
+
+def corrections(steps: Array, plants: list[Plant], start: int, end: int, ends: bool) -> Array:
+    """How far (N, 3) a foot is to be moved, from its steps over the floor (N, 3) and its plants.
+
+    `plants` are all of the foot's, first and last frame, in order. `start` and `end` are the first
+    and last frame of the blend: outside, the sources move as captured, which is left as it is.
+    Where the motion `ends` with these frames, a correction need not have gone by then.
+    """
+    shift = np.zeros_like(steps)
+    touched = [(p, q) for p, q in plants if q >= start - 1 and p <= end + 1]
+    if not touched:
+        return shift
+    first, stop = _reach(plants, touched, start, len(steps))
+    weight, wanted = np.zeros(len(steps) + 1), np.zeros((len(steps) + 1, 3))
+    for p, q in touched:
+        weight[p + 1 : q + 1] = HELD
+        of_blend = slice(max(p + 1, start), min(q, end + 1) + 1)
+        wanted[of_blend] = -steps[of_blend]
+    of_reach = slice(first, stop + 1)
+    moved = _smoothest(weight[of_reach], wanted[of_reach], start == 0, ends and stop == len(steps))
+    largest = float(np.sqrt(np.square(moved).sum(axis=1).max()))
+    shift[first:stop] = moved * min(1.0, FARTHEST / max(largest, 1e-9))
+    return shift
+
+
+def _reach(plants: list[Plant], touched: list[Plant], start: int, frames: int) -> Plant:
+    """The first frame that may be moved, and the one after the last."""
+    before = [q for p, q in plants if q < touched[0][0]]
+    after = [p for p, q in plants if p > touched[-1][1]]
+    first = max([start - EASE, 0, *(q + 1 for q in before)])
+    if touched[0][0] < start:
+        first = start
+    return first, min([touched[-1][1] + 1 + SETTLE, frames, *after])
+
+
+def _smoothest(weight: Array, wanted: Array, from_start: bool, to_end: bool) -> Array:
+    """x (N, 3) with the least Σ weight |x_t − x_{t−1} − wanted_t|² + |x″|² + SMALL |x|².
+
+    `weight` (N + 1,) and `wanted` (N + 1, 3) are of the steps into every frame and out of the last.
+    x is 0 on both sides, unless it is free where the motion starts or ends.
+    """
+    size = len(weight) - 1
+    bends = np.ones(size + 2)  # of x″ at every frame and at the one before and after
+    bends[: 2 * from_start] = 0.0
+    bends[size + 2 - 2 * to_end :] = 0.0
+    bands = np.zeros((3, size))
+    bands[2] = SMALL + weight[:-1] + weight[1:] + bends[:-2] + 4 * bends[1:-1] + bends[2:]
+    bands[1, 1:] = -weight[1:-1] - 2 * bends[1:-2] - 2 * bends[2:-1]
+    bands[0, 2:] = bends[2:-2]
+    pull = weight[:, None] * wanted
+    return np.asarray(solveh_banded(bands, pull[:-1] - pull[1:], check_finite=False))
