@@ -7,7 +7,7 @@ from stimuli.motion.skeleton import Motion
 from stimuli.transition.align import aligned
 from stimuli.transition.blend import blend_linear, spliced
 from stimuli.transition.length import Length
-from stimuli.transition.window import Window, longest_fitting, specified
+from stimuli.transition.window import Fits, Window, longest_fitting, specified
 
 Joined = tuple[Motion, tuple[int, int]]  # the result, the first and last frame mixed
 
@@ -29,10 +29,10 @@ class Join:
         """The frames that the specification mixes."""
         return specified(self.specification)(self.i, self.j, self.length.frames)
 
-    def fitting_window(self) -> Window:
-        """The same; InputError where they leave a motion."""
-        if self.length.frames < 1 or not self.window.fits(self.a, self.b):
-            longest = longest_fitting(self.a, self.b, self.i, self.j, self.specification)
+    def fitting_window(self, fits: Fits = Window.fits) -> Window:
+        """The same; InputError where the motions lack frames that a way of joining needs."""
+        if self.length.frames < 1 or not fits(self.window, self.a, self.b):
+            longest = longest_fitting(self.a, self.b, self.i, self.j, self.specification, fits)
             raise InputError(
                 f"{self.specification} blend {self.i} → {self.j}: expected a length from 1 to "
                 f"{longest} frames, found {self.length.frames}.\n"

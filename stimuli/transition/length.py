@@ -11,10 +11,11 @@ from stimuli.motion.quaternions import Array
 from stimuli.motion.skeleton import Motion
 from stimuli.transition.distance import pose_distance
 from stimuli.transition.weights import Weights
-from stimuli.transition.window import LONGEST, specified
+from stimuli.transition.window import LONGEST, Fits, Window, specified
 
 FIXED = 10
 LengthFunction = Callable[[Motion, Motion, int, int, str], "Length"]
+GivenFunction = Callable[[Motion, Motion, int, int, str, int], "Length"]
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,11 @@ class Length:
 def length_none(a: Motion, b: Motion, i: int, j: int, specification: str) -> Length:
     """A cut lasts no time."""
     return Length(0)
+
+
+def length_given(a: Motion, b: Motion, i: int, j: int, specification: str, frames: int) -> Length:
+    """A length that somebody wants instead of the method's own."""
+    return Length(frames, {"given": True})
 
 
 def length_fixed(a: Motion, b: Motion, i: int, j: int, specification: str) -> Length:
@@ -57,9 +63,17 @@ def geodesic_costs(
     return costs
 
 
-def length_geodesic(a: Motion, b: Motion, i: int, j: int, specification: str) -> Length:
-    """The length whose mixed frames differ least on average (V.1), the smaller one on a tie."""
+def length_geodesic(
+    a: Motion, b: Motion, i: int, j: int, specification: str, fits: Fits = Window.fits
+) -> Length:
+    """The length whose mixed frames differ least on average (V.1), the smaller one on a tie.
+
+    Among those for which a way of joining finds its frames (`fits`).
+    """
     costs = geodesic_costs(a, b, i, j, specification)
+    make = specified(specification)
+    room = [fits(make(i, j, frames), a, b) for frames in range(1, LONGEST + 1)]
+    costs = np.where(room, costs, np.nan)
     if np.all(np.isnan(costs)):
         raise no_room(i, j)
     best = int(np.nanargmin(costs))

@@ -84,7 +84,9 @@ def _foot_slide(transition: Transition) -> float | None:
 
 
 def _cost(transition: Transition) -> float | None:
-    """The mean distance of the frames mixed; of the two frames at a cut."""
+    """The mean distance of the frames mixed, as warped; of the two frames at a cut."""
+    if transition.method == "timewarp":
+        return float(transition.report["cost"])
     if transition.sources is None:
         return None
     a, b = transition.sources

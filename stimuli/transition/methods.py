@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from types import MappingProxyType
 from typing import Any
 
@@ -12,20 +13,24 @@ from stimuli.transition.distance import check_pair
 from stimuli.transition.footlock import lock_feet
 from stimuli.transition.join import Join, Joined, join_cut, join_linear
 from stimuli.transition.length import (
+    GivenFunction,
     Length,
     LengthFunction,
     length_fixed,
     length_geodesic,
+    length_given,
     length_none,
 )
-from stimuli.transition.schedule import join_per_joint, length_per_joint
+from stimuli.transition.schedule import given_per_joint, join_per_joint, length_per_joint
 from stimuli.transition.switch import (
     decay_quintic,
     decay_spring,
     join_dead,
     join_inertialized,
+    room_to_decay,
+    room_to_extrapolate,
 )
-from stimuli.transition.timewarp import join_timewarp, length_timewarp
+from stimuli.transition.timewarp import given_timewarp, join_timewarp, length_timewarp
 from stimuli.transition.velocity import length_velocity, length_velocity_speed
 from stimuli.transition.window import Window, check_frames, specified
 
@@ -51,10 +56,14 @@ class Transition:
 
 @dataclass(frozen=True)
 class Method:
-    """A rule for the length of a blend, and the way of blending."""
+    """A rule for the length of a blend, the way of blending, and what a given length means."""
 
     length: LengthFunction
     blend: Callable[[Join], Joined]
+    given: GivenFunction = length_given
+
+
+_geodesic_to_decay = partial(length_geodesic, fits=room_to_decay)
 
 
 METHODS: Mapping[str, Method] = MappingProxyType(
@@ -64,11 +73,11 @@ METHODS: Mapping[str, Method] = MappingProxyType(
         "geodesic": Method(length_geodesic, join_linear),
         "velocity": Method(length_velocity, join_linear),
         "velocity-speed": Method(length_velocity_speed, join_linear),
-        "timewarp": Method(length_timewarp, join_timewarp),
-        "per-joint": Method(length_per_joint, join_per_joint),
-        "inertialization": Method(length_geodesic, join_inertialized(decay_quintic)),
-        "inertialization-spring": Method(length_geodesic, join_inertialized(decay_spring)),
-        "dead-blending": Method(length_geodesic, join_dead),
+        "timewarp": Method(length_timewarp, join_timewarp, given_timewarp),
+        "per-joint": Method(length_per_joint, join_per_joint, given_per_joint),
+        "inertialization": Method(_geodesic_to_decay, join_inertialized(decay_quintic)),
+        "inertialization-spring": Method(_geodesic_to_decay, join_inertialized(decay_spring)),
+        "dead-blending": Method(partial(length_geodesic, fits=room_to_extrapolate), join_dead),
     }
 )
 
@@ -100,9 +109,9 @@ def transition(
 ) -> Transition:
     """Join frame i of `a` with frame j of `b`, as a method and a specification have it.
 
-    `frames` is a length to use instead of the method's own. `smooth` eases the weights by a
-    smoothstep. `foot_lock` holds feet that stand. InputError for different hierarchies, unknown
-    names, frames that do not exist and windows that leave a motion.
+    `frames` is a length to use instead of the method's own. `smooth` eases the weights of the
+    methods that have weights by a smoothstep. `foot_lock` holds feet that stand. InputError for
+    different hierarchies, unknown names, frames that do not exist and windows that leave a motion.
     """
     check_pair(a, b)
     check_frames(a, b, i, j)
@@ -111,7 +120,7 @@ def transition(
     if frames is None:
         length = way.length(a, b, i, j, specification)
     else:
-        length = Length(frames, {"given": True})
+        length = way.given(a, b, i, j, specification, frames)
     join = Join(a, on_skeleton(b, a.skeleton), i, j, specification, length, smooth)
     motion, mixed = way.blend(join)
     if foot_lock and length.frames:

@@ -25,11 +25,23 @@ def length_per_joint(a: Motion, b: Motion, i: int, j: int, specification: str) -
     return Length(max(schedule.values()), {"schedule": schedule})
 
 
+def given_per_joint(
+    a: Motion, b: Motion, i: int, j: int, specification: str, frames: int
+) -> Length:
+    """The same schedule, stretched so that the longest blend lasts as long as is wanted."""
+    own = length_per_joint(a, b, i, j, specification)
+    stretch = frames / own.frames
+    schedule = {
+        role: max(int(np.floor(length * stretch + 0.5)), 1)
+        for role, length in own.report["schedule"].items()
+    }
+    return Length(frames, {"given": True, "schedule": schedule})
+
+
 def join_per_joint(join: Join) -> Joined:
     """Slerp over one window with weights that rise at each joint's own slope."""
     window = join.fitting_window()
-    schedule = join.length.report.get("schedule", {})
-    frames = _frames_of(join.a.skeleton, schedule, window.frames)
+    frames = _frames_of(join.a.skeleton, join.length.report["schedule"], window.frames)
     weights = np.stack([_centred(window, int(length)) for length in frames], axis=-1)
     weights = smoothstep(weights) if join.smooth else weights
     motion = blend_weighted(join.a, join.brought(window), window, weights)

@@ -11,7 +11,6 @@ from types import MappingProxyType
 
 import numpy as np
 
-from stimuli.errors import InputError
 from stimuli.motion import quaternions as quat
 from stimuli.motion.quaternions import Array
 from stimuli.motion.skeleton import Motion
@@ -47,11 +46,24 @@ def decay_spring(value: Array, rate: Array, frames: int) -> Array:
 DECAYS: Mapping[str, Decay] = MappingProxyType({"quintic": decay_quintic, "spring": decay_spring})
 
 
+def room_to_decay(window: Window, a: Motion, b: Motion) -> bool:
+    """Whether B has the frames on which a displacement decays, from the switch on."""
+    switch = window.anchor + window.lag
+    return switch >= 0 and switch + window.frames <= len(b)
+
+
+def room_to_extrapolate(window: Window, a: Motion, b: Motion) -> bool:
+    """Whether A has its frames of the window before the switch, and B those from it on."""
+    return (
+        window.first >= 0 and window.anchor + window.lag >= 0 and window.last + window.lag < len(b)
+    )
+
+
 def join_inertialized(decay: Decay) -> Callable[[Join], Joined]:
     """The way of joining by inertialization with a decay."""
 
     def join_with(join: Join) -> Joined:
-        window = _switching(join)
+        window = join.fitting_window(room_to_decay)
         a, b = join.a, join.brought(window)
         here, there = join.i, join.i + window.lag
         turn, place = _displacement(a, b, here, there)
@@ -65,14 +77,14 @@ def join_inertialized(decay: Decay) -> Callable[[Join], Joined]:
         rotations = quat.multiply(b.rotations[rows], offset)
         root = b.root[rows] + decay(place, place_rate, frames)
         motion = spliced(a, b, here, there + frames, rotations, root)
-        return motion, (window.first, window.last)
+        return motion, (here, here + frames - 1)
 
     return join_with
 
 
 def join_dead(join: Join) -> Joined:
     """Both motions extrapolated beyond the switch, cross-faded over the specified window."""
-    window, _ = join.window, _switching(join)
+    window = join.fitting_window(room_to_extrapolate)
     b = join.brought(window)
     here, there = join.i, join.i + window.lag
     ahead = np.arange(1, window.last - here + 1)
@@ -89,20 +101,6 @@ def join_dead(join: Join) -> Joined:
     )
     motion = spliced(join.a, b, window.first, past_b.stop, rotations, root)
     return motion, (window.first, window.last)
-
-
-def _switching(join: Join) -> Window:
-    """The frames on which a switch at frame i has effect; InputError where B has too few."""
-    frames = join.length.frames
-    lag = join.window.lag
-    window = Window(join.i, join.i + frames - 1, lag, join.i, 0.0, frames)
-    if frames < 1 or join.i + lag < 0 or window.last + lag >= len(join.b):
-        raise InputError(
-            f"{join.specification} switch {join.i} → {join.j}: expected a length from 1 to "
-            f"{len(join.b) - join.i - lag} frames, found {frames}.\n"
-            "Choose a shorter one or frames farther from the ends."
-        )
-    return window
 
 
 def _displacement(a: Motion, b: Motion, here: int, there: int) -> tuple[Array, Array]:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stimuli.errors import InputError
 from stimuli.motion import quaternions as quat
 from stimuli.motion.quaternions import Array
 from stimuli.motion.resample import sampled
@@ -55,6 +56,25 @@ def timewarped(
     pairs, costs = timewarp_costs(a, b, i, j, specification, weights=weights, printed=printed)
     if np.all(np.isnan(costs)):
         raise no_room(i, j)
+    return _cheapest(pairs, costs)
+
+
+def given_timewarp(a: Motion, b: Motion, i: int, j: int, specification: str, frames: int) -> Length:
+    """The cheapest pair of windows of which the longer lasts as long as is wanted."""
+    pairs, costs = timewarp_costs(a, b, i, j, specification)
+    lasting = pairs.max(axis=1)
+    wanted = (lasting == frames) & ~np.isnan(costs)
+    if not wanted.any():
+        longest = lasting[~np.isnan(costs)].max(initial=0)
+        raise InputError(
+            f"{specification} timewarp {i} → {j}: expected a length from 1 to {longest} frames, "
+            f"found {frames}.\nChoose a shorter blend or frames farther from the ends."
+        )
+    return _cheapest(pairs[wanted], costs[wanted])
+
+
+def _cheapest(pairs: np.ndarray, costs: Array) -> Length:
+    """The windows that differ least, the first of equals; the blend lasts as long as the longer."""
     best = int(np.nanargmin(costs))
     windows = (int(pairs[best, 0]), int(pairs[best, 1]))
     return Length(
@@ -179,11 +199,9 @@ def join_timewarp(join: Join) -> Joined:
 
     The blend's middle lies later than frame i of A where A's window was stretched.
     """
-    warped = "from_frames" in join.length.report
-    window = join.window if warped else join.fitting_window()
+    window = join.window
     count = window.last - window.first + 1
-    frames_a = join.length.report.get("from_frames", join.length.frames)
-    frames_b = join.length.report.get("to_frames", join.length.frames)
+    frames_a, frames_b = (join.length.report[key] for key in ("from_frames", "to_frames"))
     if join.specification == "start-end":
         first_a, last_a = join.i, join.i + frames_a - 1
         first_b, last_b = join.j - frames_b + 1, join.j

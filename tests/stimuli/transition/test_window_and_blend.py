@@ -1,5 +1,8 @@
 """The two specifications to the letter, and what every method must leave as it is."""
 
+import re
+from contextlib import suppress
+
 import numpy as np
 import pytest
 
@@ -7,9 +10,18 @@ from stimuli.errors import InputError
 from stimuli.motion import Motion
 from stimuli.motion import quaternions as quat
 from stimuli.motion.kinematics import headings, placed
-from stimuli.transition import METHODS, SPECIFICATIONS, blend_length, longest_fitting, transition
+from stimuli.transition import (
+    METHODS,
+    SPECIFICATIONS,
+    Transition,
+    blend_length,
+    longest_fitting,
+    measures,
+    transition,
+)
 from stimuli.transition.blend import smoothstep
 from stimuli.transition.switch import decay_quintic, decay_spring
+from stimuli.transition.timewarp import timewarp_costs
 from stimuli.transition.window import center_aligned, start_end
 
 SPECS = tuple(SPECIFICATIONS)
@@ -103,6 +115,90 @@ def test_every_method_joins_two_motions_and_says_what_it_mixed(bodies, method, s
     tail = len(motion) - last - 1
     assert np.allclose(motion.rotations[last + 1 :, 1:], b.rotations[len(b) - tail :, 1:])
     assert done.frames == blend_length(a, b, 62, 66, method, specification).frames
+
+
+@pytest.mark.parametrize("method", [m for m in METHODS if m != "cut"])
+@pytest.mark.parametrize("specification", SPECS)
+def test_anywhere_a_method_joins_by_its_own_length_or_says_that_there_is_no_room(
+    bodies, method, specification
+):
+    a, b = bodies.wandering(24, 4), bodies.wandering(31, 5)
+    rng, joined = np.random.default_rng(0), 0
+    for i, j in rng.integers(0, [24, 31], (60, 2)):
+        with suppress(InputError):
+            done = transition(a, b, int(i), int(j), method=method, specification=specification)
+            check_ends(done, a, b)
+            joined += 1
+            continue
+        if method != "fixed":
+            with pytest.raises(InputError, match="the shortest leaves"):
+                blend_length(a, b, int(i), int(j), method, specification)
+    assert joined > 20
+
+
+@pytest.mark.parametrize("method", [m for m in METHODS if m != "cut"])
+@pytest.mark.parametrize("specification", SPECS)
+def test_anywhere_a_given_length_is_kept_or_refused_with_the_longest_that_there_is(
+    bodies, method, specification
+):
+    a, b = bodies.wandering(24, 4), bodies.wandering(31, 5)
+    rng, refused = np.random.default_rng(1), 0
+
+    def join(i: int, j: int, frames: int) -> Transition:
+        return transition(a, b, i, j, method=method, specification=specification, frames=frames)
+
+    for i, j, frames in rng.integers([0, 0, 1], [24, 31, 20], (80, 3)).tolist():
+        try:
+            done = join(i, j, frames)
+        except InputError as error:
+            refused += 1
+            told = re.search(r"from 1 to (\d+) frames, found", str(error))
+            longest = int(told[1]) if told else 0
+            assert longest < frames
+            if longest:
+                assert join(i, j, longest).frames == longest
+            continue
+        assert done.frames == frames
+        check_ends(done, a, b)
+    assert 5 < refused < 60
+
+
+def check_ends(done: Transition, a: Motion, b: Motion) -> None:
+    """The result is A before the frames mixed and B behind them, up to B's end."""
+    first, last = done.mixed
+    assert 0 <= first <= last < len(done.motion)
+    assert np.array_equal(done.motion.rotations[:first], a.rotations[:first])
+    tail = len(done.motion) - last - 1
+    assert np.allclose(done.motion.rotations[last + 1 :, 1:], b.rotations[len(b) - tail :, 1:])
+    if done.method != "timewarp":
+        lag = SPECIFICATIONS[done.specification](done.i, done.j, done.frames).lag
+        assert len(done.motion) == len(b) - lag
+
+
+def test_a_given_length_stretches_the_windows_of_a_timewarp(bodies):
+    a, b = bodies.wandering(130, 4), bodies.wandering(130, 5)
+    own = transition(a, b, 62, 66, method="timewarp")
+    again = transition(a, b, 62, 66, method="timewarp", frames=own.frames)
+    assert dict(own.report) == dict(again.report)
+    longer = transition(a, b, 62, 66, method="timewarp", frames=20)
+    windows = longer.report["from_frames"], longer.report["to_frames"]
+    assert max(windows) == 20
+    assert min(windows) >= 10
+    pairs, costs = timewarp_costs(a, b, 62, 66, "start-end")
+    assert longer.report["cost"] == np.nanmin(costs[pairs.max(axis=1) == 20])
+    assert measures(longer)["geodesic_cost"] == longer.report["cost"]
+
+
+def test_a_given_length_stretches_the_schedule_of_the_joints(bodies):
+    a, b = bodies.wandering(130, 4), bodies.wandering(130, 5)
+    own = blend_length(a, b, 62, 66, "per-joint").report["schedule"]
+    half = max(own.values()) // 2
+    done = transition(a, b, 62, 66, method="per-joint", frames=half)
+    for role, length in own.items():
+        assert abs(done.report["schedule"][role] - length / 2) <= 0.5
+    assert len(set(own.values())) > 1
+    plain = transition(a, b, 62, 66, method="fixed", frames=half)
+    assert quat.geodesic(plain.motion.rotations, done.motion.rotations).max() > 1e-3
 
 
 def test_inertialization_starts_on_a_with_its_velocity_and_settles_on_b(bodies):
