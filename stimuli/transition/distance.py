@@ -81,7 +81,11 @@ def pose_distance(
 def cost_matrix(
     a: Motion, b: Motion, weights: str | Weights = "wang", velocity_weight: float = 1.0
 ) -> Array:
-    """D(i, j) = d_p + ν d_v (FA, FB) of going over from frame i of `a` to frame j of `b`."""
+    """D(i, j) = d_p + ν d_v (FA, FB) of going over from frame i of `a` to frame j of `b`.
+
+    ν is `velocity_weight`. Velocities are squared and per frame, so that they hardly count for ν up
+    to 1 and outweigh the poses at 100.
+    """
     check_pair(a, b)
     joints, scale = weighted_joints(a.skeleton, weights)
     distance = np.asarray(
