@@ -5,9 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from stimuli.errors import InputError
 from stimuli.motion import Library, Motion, forward
 from stimuli.motion import quaternions as quat
 from stimuli.motion.kinematics import headings
+from stimuli.transition.cuts import best_cut, best_cuts
 from stimuli.transition.distance import cost_matrix, squared_euclidean
 from stimuli.transition.points import cheapest, local_minima
 from stimuli.transition.weights import WEIGHTS
@@ -58,10 +60,10 @@ def test_how_far_the_best_point_moves_with_nu(library, capsys):
     For his weights and one pair of dances. It holds here to ν of about 3, and why is plain: the
     velocity term is squared and per frame, so that over all cells it is a fifteenth (walks) to a
     hundredth (dances) of the pose term; at ν = 100 it outweighs the poses, and picks another of the
-    many cells that are nearly as cheap. The dissertation says "joint velocities" and gives neither their form
-    nor their unit. Read as the speeds of the bones' ends (metres a frame) instead of angular ones,
-    the minimum stays for ν from 0 to 10, as in his Figure IV.2, and moves by two frames at most up
-    to 100 in some pairs, of which his may well have been one.
+    many cells that are nearly as cheap. The dissertation says "joint velocities" and gives neither
+    their form nor their unit. Read as the speeds of the bones' ends (metres a frame) instead of
+    angular ones, the minimum stays for ν from 0 to 10, as in his Figure IV.2, and moves by two
+    frames at most up to 100 in some pairs, of which his may well have been one.
     """
     rng = np.random.default_rng(SEED)
     names = [tuple(rng.choice(DANCES, 2, replace=False)) for _ in range(5)]
@@ -116,15 +118,19 @@ def bone_speeds(motion: Motion) -> np.ndarray:
     return quat.rotate(home, every).reshape(len(motion), -1)
 
 
-def test_both_weight_sets_have_a_best_cut_with_room_for_six_seconds(library):
+def test_each_weight_set_has_its_best_cut_with_room_for_six_seconds(library):
     """IV.4.1: a dance cut at the best point under either set, three seconds before and after."""
     dance = library.load("05_02").motion
-    points = {}
-    for weights in ("lee", "wang"):
-        cost = cost_matrix(dance, dance, weights)
-        points[weights] = cheapest(cost, before=90, after=90, trivial=15)
-    assert all(p.i >= 90 and p.j < len(dance) - 90 and abs(p.i - p.j) > 15 for p in points.values())
-    assert (points["lee"].i, points["lee"].j) != (points["wang"].i, points["wang"].j)
+    cuts = best_cuts(dance, dance)
+    for weights, cut in cuts.items():
+        assert cut.i >= 90
+        assert len(cut.motion) - cut.i - 1 >= 90
+        assert abs(cut.i - cut.j) > 15
+        others = local_minima(cost_matrix(dance, dance, weights), 90, 90, 15)
+        assert (others[0].i, others[0].j) == (cut.i, cut.j)
+    assert (cuts["lee"].i, cuts["lee"].j) != (cuts["wang"].i, cuts["wang"].j)
+    with pytest.raises(InputError, match="90 frames before"):
+        best_cut(dance[:90], dance, "lee")
 
 
 def test_minima_of_a_walk_with_itself_lie_a_cycle_apart(library):

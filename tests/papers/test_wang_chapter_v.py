@@ -6,13 +6,22 @@ drawn locomotion pairs an independent count gave 86 % interior optima and 60 % w
 where all windows fit.
 """
 
+from itertools import product
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from stimuli.motion import Library, Motion
-from stimuli.transition import LONGEST, blend_length, transition
+from stimuli.motion import Library, Motion, forward
+from stimuli.motion import quaternions as quat
+from stimuli.transition import (
+    LONGEST,
+    METHODS,
+    SPECIFICATIONS,
+    blend_length,
+    longest_fitting,
+    transition,
+)
 from stimuli.transition.align import on_skeleton
 from stimuli.transition.curves import joint_curves
 from stimuli.transition.distance import cost_matrix
@@ -87,28 +96,58 @@ def test_the_minimum_of_the_cost_is_no_place_for_start_end(pairs):
 
 
 def test_blends_add_no_root_step_at_the_cheapest_points(pairs, capsys):
-    """At minima with a second on all sides, where both motions have a blend's window.
+    """At the ten cheapest minima of each pair, wherever both motions have a blend's window.
 
-    Center-aligned, which is what minima are for. A start-end blend aligns the starts of its
-    windows, so a faster B must be caught up with: there a few points exceed the bound.
+    Minima are the points of center-aligned transitions. A start-end blend starts from the place
+    where B stands with its window's first frame, not with frame j, and a faster B must be caught up
+    with: at these points, which are not meant for it, a few in a hundred exceed the bound.
     """
-    worst = {"center-aligned": 0.0, "start-end": 0.0}
+    steps: dict[str, list[float]] = {"center-aligned": [], "start-end": []}
     for a, b in pairs:
         own = max(largest_step(m) for m in (a, on_skeleton(b, a.skeleton)))
-        found = [p for p in local_minima(cost_matrix(a, b))
-                 if 30 <= p.i < len(a) - 30 and 30 <= p.j < len(b) - 30][:10]  # fmt: skip
-        for point in found:
-            for specification in worst:
-                for frames in (5, 10, 20, 30):
+        for point in local_minima(cost_matrix(a, b))[:10]:
+            for specification, found in steps.items():
+                longest = longest_fitting(a, b, point.i, point.j, specification)
+                for frames in (n for n in (5, 10, 20, 30) if n <= longest):
                     done = transition(
                         a, b, point.i, point.j, frames=frames, specification=specification
                     )
-                    step = largest_step(done.motion) / own
-                    worst[specification] = max(worst[specification], step)
+                    found.append(largest_step(done.motion) / own)
     with capsys.disabled():
-        print(f"\nlargest root step over the sources' own: {worst}")
-    assert worst["center-aligned"] <= 1.1
-    assert worst["start-end"] <= 1.5
+        for specification, found in steps.items():
+            over = np.mean(np.array(found) > 1.1)
+            print(f"\n{specification}: {len(found)} blends, largest root step {max(found):.3f} "
+                  f"times the sources' own, {over:.1%} above 1.1", end="")  # fmt: skip
+    assert len(steps["center-aligned"]) > 1000
+    assert max(steps["center-aligned"]) <= 1.1
+    assert np.mean(np.array(steps["start-end"]) > 1.1) < 0.05
+
+
+def test_a_captured_motion_joined_to_itself_where_it_continues_stays_itself(pairs, capsys):
+    """Every method but dead blending, whose extrapolation deviates: by how much is printed."""
+    motions = [a for a, _ in pairs[:8]]
+    far = dict.fromkeys(SPECIFICATIONS, 0.0)
+    for motion, specification, frames in product(motions, SPECIFICATIONS, (1, 5, 12, 24)):
+        i = len(motion) // 2 - frames
+        for method in METHODS:
+            cut = method == "cut"
+            j = i if cut or specification == "center-aligned" else i + frames - 1
+            done = transition(motion, motion, i, j, method=method, specification=specification,
+                              frames=None if cut else frames)  # fmt: skip
+            apart = np.linalg.norm(
+                forward(motion.skeleton, done.motion.rotations, done.motion.root)[0]
+                - forward(motion.skeleton, motion.rotations, motion.root)[0], axis=-1
+            ).max()  # fmt: skip
+            if method == "dead-blending":
+                far[specification] = max(far[specification], float(apart))
+                continue
+            assert apart < 1e-6, method
+            turned = quat.geodesic(done.motion.rotations, motion.rotations).max()
+            assert turned < 1e-6, method
+    with capsys.disabled():
+        told = ", ".join(f"{where} {apart:.2f} m" for where, apart in far.items())
+        print(f"\ndead blending of a motion with itself, farthest joint: {told}")
+    assert all(0 < apart < 1 for apart in far.values())
 
 
 def largest_step(motion: Motion) -> float:
