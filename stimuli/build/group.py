@@ -1,7 +1,8 @@
 """A group of clips planned: every clip laid out, one body, one camera, and what goes on record."""
 
 import hashlib
-from collections.abc import Mapping
+import warnings
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import lru_cache
 from typing import Any
@@ -14,6 +15,7 @@ from stimuli.build.layout import LaidOut, lay_out
 from stimuli.build.manifest import digest
 from stimuli.build.plan import ResolvedPairing
 from stimuli.build.spec import SetSpec
+from stimuli.errors import InputWarning
 from stimuli.motion.clip import Clip
 from stimuli.motion.library import Library
 from stimuli.motion.skeleton import Motion
@@ -72,9 +74,30 @@ def plan_group(spec: SetSpec, resolved: ResolvedPairing, library: Library) -> Pl
         _planned(spec, resolved, method, clip, reference, bone_motion(body, clip.motion), made_of)
         for (method, _), clip in zip(kinds, laid, strict=True)
     )
+    if len({clip.hash for clip in clips}) < len(clips):
+        _warn_of_copies(spec, pairing.name, kinds, clips)
     return PlannedGroup(
         pairing.name, body, camera, clips, _group_document(resolved, library, camera, body)
     )
+
+
+def _warn_of_copies(
+    spec: SetSpec,
+    pairing: str,
+    kinds: Sequence[tuple[str | None, int]],
+    clips: Sequence[PlannedClip],
+) -> None:
+    """Clips that are one and the same compare nothing: name what they are of."""
+    names = [method or f"length {length}" for method, length in kinds]
+    for hash_ in dict.fromkeys(clip.hash for clip in clips):
+        alike = [name for name, clip in zip(names, clips, strict=True) if clip.hash == hash_]
+        if len(alike) > 1:
+            warnings.warn(
+                f"set {spec.name}, {pairing}: {' and '.join(alike)} make one and the same clip, "
+                "which compares nothing; choose other frames",
+                InputWarning,
+                stacklevel=4,
+            )
 
 
 def _planned(

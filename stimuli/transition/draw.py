@@ -11,40 +11,55 @@ import numpy as np
 
 from stimuli.errors import InputError
 from stimuli.motion.skeleton import Motion
+from stimuli.transition.length import Length
 from stimuli.transition.methods import blend_length
 from stimuli.transition.room import with_room
 from stimuli.transition.window import LONGEST
 
 FIXED = 10
 TRIES = 5000
-Condition = Callable[[Mapping[str, int]], bool]
+LengthBy = Callable[[str], Length]  # the start-end length at a point, by the name of a method
+Condition = Callable[[LengthBy], bool]
 
 
-def away_from_fixed(lengths: Mapping[str, int]) -> bool:
-    """Wang V.2, studies one and three: 5 to 35 frames, and none close to the fixed ten."""
-    return 5 <= lengths["geodesic"] <= 35 and abs(lengths["geodesic"] - FIXED) > 2
+def away_from_fixed(length: LengthBy) -> bool:
+    """Wang V.2, study one: 5 to 35 frames, and not close to the fixed ten."""
+    frames = length("geodesic").frames
+    return 5 <= frames <= 35 and abs(frames - FIXED) > 2
 
 
-def velocity_away_from_fixed(lengths: Mapping[str, int]) -> bool:
+def velocity_away_from_fixed(length: LengthBy) -> bool:
     """Study two: the velocity method's length is no clamp and not close to the fixed ten."""
-    return 3 <= lengths["velocity"] <= 35 and abs(lengths["velocity"] - FIXED) > 2
+    frames = length("velocity").frames
+    return 3 <= frames <= 35 and abs(frames - FIXED) > 2
 
 
-def methods_differ(lengths: Mapping[str, int]) -> bool:
+def time_is_warped(length: LengthBy) -> bool:
+    """Study three: as study one, and the timewarp stretches a window by three frames or more.
+
+    Often it stretches none: then both methods make one and the same clip.
+    """
+    if not away_from_fixed(length):
+        return False
+    windows = length("timewarp").report
+    return bool(abs(windows["from_frames"] - windows["to_frames"]) >= 3)
+
+
+def methods_differ(length: LengthBy) -> bool:
     """Study four: the two methods give lengths that can be told apart."""
-    both = lengths["geodesic"], lengths["velocity"]
-    return all(3 <= length <= 35 for length in both) and abs(both[0] - both[1]) > 4
+    both = length("geodesic").frames, length("velocity").frames
+    return all(3 <= frames <= 35 for frames in both) and abs(both[0] - both[1]) > 4
 
 
-def near_the_dissertations(lengths: Mapping[str, int]) -> bool:
+def near_the_dissertations(length: LengthBy) -> bool:
     """VI.3.2: a reference length like his 9, 15 and 16, with room for shorter ones."""
-    return 9 <= lengths["geodesic"] <= 20
+    return 9 <= length("geodesic").frames <= 20
 
 
 CONDITIONS: Mapping[str, Condition] = {
     "study-one": away_from_fixed,
     "study-two": velocity_away_from_fixed,
-    "study-three": away_from_fixed,
+    "study-three": time_is_warped,
     "study-four": methods_differ,
     "jnd-start-end": near_the_dissertations,
 }
@@ -74,7 +89,7 @@ def draw_point(
     for _ in range(tries):
         i = int(generator.integers(first_i, last_i + 1))
         j = int(generator.integers(first_j, last_j + 1))
-        if condition(lengths_at(a, b, i, j)):
+        if condition(length_at(a, b, i, j)):
             return i, j
     raise InputError(
         f"expected a transition point that meets {condition.__name__}, found none in {tries} "
@@ -82,11 +97,8 @@ def draw_point(
     )
 
 
-def lengths_at(a: Motion, b: Motion, i: int, j: int) -> dict[str, int]:
-    """The start-end blend lengths (frames) by geodesic distance and by velocity at (i, j)."""
+def length_at(a: Motion, b: Motion, i: int, j: int) -> LengthBy:
+    """The start-end blend length at (i, j), for any method that is asked for."""
     longer_a, at_i = with_room(a, i)
     longer_b, at_j = with_room(b, j)
-    return {
-        method: blend_length(longer_a, longer_b, at_i, at_j, method, "start-end").frames
-        for method in ("geodesic", "velocity")
-    }
+    return lambda method: blend_length(longer_a, longer_b, at_i, at_j, method, "start-end")

@@ -2,12 +2,13 @@
 
 import json
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
 
 from stimuli.build import SetSpec, resolve
-from stimuli.build.group import _plain
+from stimuli.build.group import _plain, plan_group
 from stimuli.errors import InputError, InputWarning
 from stimuli.motion import Library
 from stimuli.transition import blend_length, with_room
@@ -52,6 +53,23 @@ def test_sets_that_cannot_be_are_refused(
     faulty = replace(spec, **change)  # type: ignore[arg-type]
     with pytest.raises(InputError, match=what):
         resolve(replace(faulty, reference=faulty.reference and "geodesic"), library)
+
+
+def test_two_methods_that_make_one_clip_are_named(spec: SetSpec, library: Library) -> None:
+    alike = replace(spec, reference=None, shorter=(), longer=(), methods=("fixed", "geodesic"))
+    (pairing,) = alike.pairings
+    everywhere = (
+        replace(alike, pairings=(replace(pairing, from_frame=i, to_frame=j),))
+        for i, j in product(range(0, 30, 2), range(0, 30, 2))
+    )
+    moved, resolved = next(
+        (moved, resolved)
+        for moved in everywhere
+        for resolved in resolve(moved, library)
+        if resolved.methods["geodesic"] == resolved.methods["fixed"]
+    )
+    with pytest.warns(InputWarning, match="tiny, walk: fixed and geodesic make one and the same"):
+        plan_group(moved, resolved, library)
 
 
 def test_missing_clips_and_frames_are_named(spec: SetSpec, library: Library) -> None:

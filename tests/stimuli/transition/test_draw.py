@@ -9,7 +9,7 @@ import pytest
 
 from stimuli.errors import InputError
 from stimuli.motion import Library, walker
-from stimuli.transition.draw import CONDITIONS, draw_point, lengths_at
+from stimuli.transition.draw import CONDITIONS, draw_point, length_at
 
 PROTOCOLS = Path(__file__).resolve().parents[3] / "protocols"
 
@@ -45,11 +45,11 @@ def test_points_of_sample_motion(name: str, sample_motions: Path) -> None:
 def test_a_drawn_point_meets_its_condition() -> None:
     a, b = walker(0), walker(1)
     generator = np.random.default_rng(1)
-    i, j = draw_point(a, b, lambda lengths: lengths["geodesic"] > 1, generator)
-    assert lengths_at(a, b, i, j)["geodesic"] > 1
+    i, j = draw_point(a, b, lambda length: length("geodesic").frames > 1, generator)
+    assert length_at(a, b, i, j)("geodesic").frames > 1
     with pytest.raises(InputError, match="20 draws"):
         draw_point(a, b, impossible, generator, tries=20)
 
 
-def impossible(lengths: object) -> bool:
+def impossible(length: object) -> bool:
     return False
