@@ -20,11 +20,11 @@ def reach_out(
     it is bent already. A target out of reach is approached, limb lengths never change.
     """
     thigh, shank = knee - hip, ankle - knee
-    upper, lower = np.linalg.norm(thigh, axis=-1), np.linalg.norm(shank, axis=-1)
+    upper, lower = _size(thigh), _size(shank)
     before = ankle - hip
-    now = np.linalg.norm(before, axis=-1)
+    now = _size(before)
     room = np.maximum(STRETCH * (upper + lower) - now, 0.0)
-    change = np.linalg.norm(target - hip, axis=-1) - now
+    change = _size(target - hip) - now
     wanted = np.maximum(now + np.where(change > 0, _eased(change, room), change), upper - lower)
     wanted = np.maximum(wanted, lower - upper)
     bend = _turn(hinge, _knee_angle(upper, lower, wanted) - _knee_angle(upper, lower, now))
@@ -39,8 +39,8 @@ def sinking(hip: Array, knee: Array, ankle: Array, shift: Array) -> Array:
     Positions and shift (N, 2, 3) of both legs. Nothing before and after ten frames around those in
     which a moved ankle lies farther from its hip than the leg easily reaches.
     """
-    whole = np.linalg.norm(knee - hip, axis=-1) + np.linalg.norm(ankle - knee, axis=-1)
-    now = np.linalg.norm(ankle - hip, axis=-1)
+    whole = _size(knee - hip) + _size(ankle - knee)
+    now = _size(ankle - hip)
     away = ankle + shift - hip
     across = np.square(away[..., 0]) + np.square(away[..., 2])
     allowed = np.square(np.maximum(now, EASY * whole))
@@ -57,8 +57,8 @@ def sinking(hip: Array, knee: Array, ankle: Array, shift: Array) -> Array:
 
 def between(start: Array, end: Array) -> Array:
     """The smallest rotation (N, 4) that turns directions `start` (N, 3) into those of `end`."""
-    dot = np.einsum("...i,...i->...", start, end)
-    size = np.linalg.norm(start, axis=-1) * np.linalg.norm(end, axis=-1)
+    dot = np.vecdot(start, end)
+    size = _size(start) * _size(end)
     return quat.normalise(
         np.concatenate([(size + dot)[..., None], quat.cross(start, end)], axis=-1)
     )
@@ -67,11 +67,11 @@ def between(start: Array, end: Array) -> Array:
 def bend_axis(thigh: Array, shank: Array, usual: Array) -> Array:
     """Unit axis (N, 3) about which the shank bends from the thigh; near straight, the usual one."""
     axis = quat.cross(thigh, shank)
-    size = np.linalg.norm(thigh, axis=-1) * np.linalg.norm(shank, axis=-1)
-    trusted = np.clip((np.linalg.norm(axis, axis=-1) / size - 0.02) / 0.1, 0.0, 1.0)[..., None]
-    length = np.maximum(np.linalg.norm(axis, axis=-1, keepdims=True), 1e-12)
+    size = _size(thigh) * _size(shank)
+    trusted = np.clip((_size(axis) / size - 0.02) / 0.1, 0.0, 1.0)[..., None]
+    length = np.maximum(_size(axis)[..., None], 1e-12)
     mixed = trusted * axis / length + (1 - trusted) * usual
-    return np.asarray(mixed / np.maximum(np.linalg.norm(mixed, axis=-1, keepdims=True), 1e-12))
+    return np.asarray(mixed / np.maximum(_size(mixed)[..., None], 1e-12))
 
 
 def _eased(change: Array, room: Array) -> Array:
@@ -84,6 +84,11 @@ def _knee_angle(upper: Array, lower: Array, distance: Array) -> Array:
     """Angle (N,) from the thigh's direction to the shank's when hip and ankle are so far apart."""
     cosine = (distance**2 - upper**2 - lower**2) / (2 * upper * lower)
     return np.asarray(np.arccos(np.clip(cosine, -1.0, 1.0)))
+
+
+def _size(vectors: Array) -> Array:
+    """Lengths (...,) of vectors (..., 3); on few of them twice as fast as NumPy's norm."""
+    return np.asarray(np.sqrt(np.vecdot(vectors, vectors)))
 
 
 def _turn(axis: Array, angle: Array) -> Array:

@@ -174,7 +174,7 @@ def _lengths() -> list[dict[str, Any]]:
 
 def _transition() -> list[dict[str, Any]]:
     """Thirty frames with alignment, slerp, foot lock and forward kinematics of the blend."""
-    a, b = (unroll(walker(seed), 60, 120)[0] for seed in (0, 1))
+    a, b = (_with_fingers(unroll(walker(seed), 60, 120)[0]) for seed in (0, 1))
     i, j, frames = 90, 125, 30
 
     def ours() -> object:
@@ -183,11 +183,30 @@ def _transition() -> list[dict[str, Any]]:
         motion = done.motion
         return forward(motion.skeleton, motion.rotations[blend], motion.root[blend])
 
-    name = "transition of 30 frames: align, slerp, foot lock, kinematics"
+    name = f"transition of 30 frames, {JOINTS} joints: align, slerp, foot lock, kinematics"
     return [
         _row(name, _median(ours, 100), "the same blend by scipy's Slerp", _median(
             lambda: _scipy_blend(a, b, i, j, frames), 5), target=2.0)
     ]  # fmt: skip
+
+
+def _with_fingers(motion: Motion) -> Motion:
+    """The motion with joints at its hands until it has as many as captured bodies have."""
+    body = motion.skeleton
+    hands = body.role("left_wrist" if "left_wrist" in body.roles else "left_elbow",
+                      "right_wrist" if "right_wrist" in body.roles else "right_elbow")  # fmt: skip
+    more = JOINTS - len(body)
+    parents = np.array([hands[n % 2] for n in range(more)])
+    skeleton = Skeleton(
+        (*body.names, *(f"finger{n}" for n in range(more))),
+        np.concatenate([body.parents, parents]),
+        np.vstack([body.offsets, np.full((more, 3), 0.03)]),
+        body.end_parents,
+        body.end_offsets,
+        body.roles,
+    )
+    still = np.tile(quat.IDENTITY, (len(motion), more, 1))
+    return Motion(skeleton, np.concatenate([motion.rotations, still], axis=1), motion.root)
 
 
 def _scipy_blend(a: Motion, b: Motion, i: int, j: int, frames: int) -> object:
