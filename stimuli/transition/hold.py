@@ -1,9 +1,10 @@
-"""How far a foot is to be moved in every frame so that it does not slide while it stands.
+"""How far a standing foot is to be moved in every frame so that it does not slide.
 
 The correction x minimises what is left of the slide while the foot stands, the acceleration that it
 adds, and its size: a smoothing spline through the swings, stiff where the foot is planted. Where a
 swing is too short to bring the foot from one place to the next, a little slide is left instead of a
-jerk. Before the blend's last step of A and after the plants that the blend touches it is nothing.
+jerk. It begins in the swing before the blend, or with the blend where the foot stands then, and is
+gone soon after the last plant that the blend touches.
 """
 
 import numpy as np
