@@ -35,7 +35,7 @@ def velocity_away_from_fixed(length: LengthBy) -> bool:
 
 
 def time_is_warped(length: LengthBy) -> bool:
-    """Study three: as study one, and the timewarp, of 35 frames at most, stretches by three or more.
+    """Study three: as one, and the timewarp, of 35 frames at most, stretches by three or more.
 
     Often it stretches nothing: then both methods make one and the same clip.
     """

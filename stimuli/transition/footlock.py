@@ -11,8 +11,9 @@ from stimuli.motion import quaternions as quat
 from stimuli.motion.quaternions import Array
 from stimuli.motion.skeleton import Motion, Skeleton
 from stimuli.transition.hold import EASE, SETTLE, corrections
-from stimuli.transition.ik import bend_axis, reach_out, sinking
+from stimuli.transition.ik import bend_axis, reach_out
 from stimuli.transition.plants import SIDES, Contacts, LegPose, contacts, leg_pose, legs_of, runs
+from stimuli.transition.sink import sinking
 from stimuli.transition.window import Window
 
 _BEYOND = 45  # frames after the blend within which a plant must end
@@ -109,6 +110,6 @@ def _usual_hinge(pose: LegPose) -> Array:
     """The axes (N, 2, 3) about which the knees bend, told by the frames where they bend most."""
     axis = quat.cross(pose.knee - pose.hip, pose.ankle - pose.knee)
     in_thigh = quat.rotate(quat.inverse(pose.thigh), axis).sum(axis=0)
-    size = np.linalg.norm(in_thigh, axis=-1, keepdims=True)
+    size = quat.norm(in_thigh)[..., None]
     usual = np.where(size > 0, in_thigh / np.where(size > 0, size, 1.0), [1.0, 0.0, 0.0])
     return quat.rotate(pose.thigh, usual)

@@ -18,10 +18,11 @@ from stimuli.motion import quaternions as quat
 from stimuli.transition import Transition, measures, transition
 from stimuli.transition.distance import cost_matrix
 from stimuli.transition.hold import corrections
-from stimuli.transition.ik import STRETCH, bend_axis, reach_out, sinking
+from stimuli.transition.ik import STRETCH, bend_axis, reach_out
 from stimuli.transition.lengthmap import length_map
 from stimuli.transition.plants import contacts, runs
 from stimuli.transition.points import local_minima
+from stimuli.transition.sink import sinking
 
 SEED = 20051
 OTHER_SEEDS = (1, 2, 3, 4, 5)
