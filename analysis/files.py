@@ -4,11 +4,25 @@ import os
 import tempfile
 from pathlib import Path
 
+from analysis.errors import InputError
+
 
 def write_atomic(path: Path, content: str | bytes) -> None:
-    """Write beside `path`, then rename; missing directories are made."""
+    """Write beside `path`, then rename; missing directories are made.
+
+    InputError that names `path` where it cannot be written.
+    """
+    try:
+        _write(path, content.encode() if isinstance(content, str) else content)
+    except OSError as error:
+        raise InputError(
+            f"{path}: expected a place where a file can be written, found: "
+            f"{error.strerror or error}.\nChoose another, or make that one writable."
+        ) from error
+
+
+def _write(path: Path, data: bytes) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
-    data = content.encode() if isinstance(content, str) else content
     handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
     try:
         with os.fdopen(handle, "wb") as file:

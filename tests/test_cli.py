@@ -29,6 +29,12 @@ def segue(*words: str, cwd: Path = ROOT, **environment: str) -> subprocess.Compl
         (("length", "nope:1", "nada:2"), "nope"),
         (("report", "nothing-here"), "nothing-here"),
         (("render", "jnd-center", "--motions", "nowhere"), "segue motions fetch"),
+        (("cost", "a"), "B"),
+        (("cost", "a", "b", "--velocity-weight", "nan", "--json"), "--velocity-weight"),
+        (("cost", "a", "b", "--out", "c.xyz"), "c.xyz"),
+        (("length", "a:1", "b:2", "--out", "/proc/l.png"), "/proc/l.png"),
+        (("blend", "a:1", "b:2", "--out", "/proc/j.bvh"), "/proc/j.bvh"),
+        (("weights", "l.csv", "--out", "/proc/w.toml"), "/proc/w.toml"),
     ],
 )
 def test_bad_input_is_said_in_a_line_or_two(tmp_path: Path, words, said: str) -> None:

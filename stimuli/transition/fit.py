@@ -10,12 +10,11 @@ from stimuli.motion.quaternions import Array
 from stimuli.motion.roles import LIMBS
 from stimuli.motion.skeleton import Motion
 from stimuli.transition.distance import check_pair, joint_rotations, joint_velocities, root_cost
-from stimuli.transition.points import Point, cheapest
+from stimuli.transition.points import TRIVIAL, Point, cheapest
 from stimuli.transition.weights import SIDES, Weights, tied
 
 TRUNK = ("pelvis", "spine", "chest", "neck", "head")
 PARTS = (*LIMBS, *TRUNK)
-TRIVIAL = 15  # frames around the diagonal where a motion goes on into itself
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,15 +45,21 @@ class Fit:
 
 @dataclass(frozen=True)
 class Left:
-    """One labelled transition left out: how far the best transition point moved without it."""
+    """One labelled transition left out: how far the best transition point moved without it.
+
+    `without` is None where it cannot be left out, and `reason` says why.
+    """
 
     row: int
     best: Point
-    without: Point
+    without: Point | None
+    reason: str = ""
 
     @property
-    def moved(self) -> int:
+    def moved(self) -> int | None:
         """Frames by which the point moved, the larger of both motions' moves."""
+        if self.without is None:
+            return None
         return max(abs(self.best.i - self.without.i), abs(self.best.j - self.without.j))
 
 
@@ -125,16 +130,18 @@ def leave_one_out(
     velocity_weight: float = 1.0,
     other: tuple[Motion, Motion] | None = None,
     progress: Callable[[int], None] | None = None,
+    *,
+    before: int = 0,
+    after: int = 0,
 ) -> tuple[list[Left], list[Left]]:
     """How far the best transition point moves when one labelled transition is left out (IV.3).
 
     The first list judges on the motions of the transition left out, the second on `other`, a
-    motion (or pair) of another performer; empty without one.
+    motion (or pair) of another performer; empty without one. The best point has `before` frames
+    before i and `after` behind j; InputError where a pair of motions has none such.
     """
     differences, labels = design_matrix(transitions, parts, velocity_weight)
     whole = fit_weights(differences, labels, parts)
-    own: list[Left] = []
-    foreign: list[Left] = []
     known: dict[tuple[int, int], tuple[Array, Array]] = {}
 
     def best(a: Motion, b: Motion, weights: Array) -> Point:
@@ -145,37 +152,55 @@ def leave_one_out(
                           root_cost(a, b, velocity_weight))  # fmt: skip
         distances, root = known[key]
         cost = root + np.tensordot(weights, distances, axes=1)
-        found = cheapest(cost, trivial=TRIVIAL if a is b else -1)
+        found = cheapest(cost, before, after, TRIVIAL if a is b else -1)
         if found is None:
-            raise InputError("weights: expected motions longer than half a second, found shorter.")
+            raise InputError(
+                f"weights: expected a transition point with {before} frames before it and {after} "
+                f"after it, found none in motions of {len(a)} and {len(b)} frames."
+            )
         return found
 
-    fits = []
-    for row in range(len(transitions)):
-        kept = np.arange(len(transitions)) != row
-        fits.append(fit_weights(differences[kept], labels[kept], parts).weights)
-    for row, (t, weights) in enumerate(zip(transitions, fits, strict=True)):
-        own.append(Left(row, best(t.a, t.b, whole.weights), best(t.a, t.b, weights)))
+    def left(row: int, a: Motion, b: Motion) -> Left:
+        weights, reason = fits[row]
+        without = None if weights is None else best(a, b, weights)
+        return Left(row, best(a, b, whole.weights), without, reason)
+
+    rows = range(len(transitions))
+    fits = [_fit_without(row, differences, labels, parts) for row in rows]
+    own: list[Left] = []
+    for row, t in enumerate(transitions):
+        own.append(left(row, t.a, t.b))
         if progress:
             progress(row + 1)
-    if other is not None:
-        foreign = [
-            Left(row, best(*other, whole.weights), best(*other, weights))
-            for row, weights in enumerate(fits)
-        ]
-    return own, foreign
+    return own, [left(row, *other) for row in rows] if other else []
+
+
+def _fit_without(
+    row: int, differences: Array, labels: Array, parts: Sequence[str]
+) -> tuple[Array | None, str]:
+    """The weights (P,) without one row, or None and why it cannot be left out."""
+    if np.count_nonzero(labels == labels[row]) == 1:
+        return None, "the only one of its kind"
+    kept = np.arange(len(labels)) != row
+    try:
+        return fit_weights(differences[kept], labels[kept], parts).weights, ""
+    except InputError:  # both kinds are left, so that is what is wrong
+        return None, "without it bad ones differ no more than good ones"
 
 
 def _roles(part: str) -> tuple[str, ...]:
     return tuple(f"{side}_{part}" for side in SIDES) if part in LIMBS else (part,)
 
 
-def summary(left: Sequence[Left]) -> Mapping[str, float | int]:
-    """Mean and median of the frames moved, and how many points did not move."""
-    moved = np.array([entry.moved for entry in left])
+def summary(left: Sequence[Left]) -> Mapping[str, float | int | None]:
+    """Of those that can be left out: how many, how many points did not move, mean and median.
+
+    Mean and median of the frames moved are None where there is none such.
+    """
+    moved = [entry.moved for entry in left if entry.moved is not None]
     return {
         "count": len(moved),
-        "unmoved": int(np.count_nonzero(moved == 0)),
-        "mean": float(moved.mean()),
-        "median": float(np.median(moved)),
+        "unmoved": moved.count(0),
+        "mean": float(np.mean(moved)) if moved else None,
+        "median": float(np.median(moved)) if moved else None,
     }

@@ -17,9 +17,11 @@ from stimuli.transition.points import Point
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+PICTURES = (".png", ".svg", ".pdf", ".jpg")  # suffixes of files that can be drawn
+SLIMMEST = 0.4  # of a matrix's sides, as it is drawn
 MARKED = 10  # of the minima, the cheapest are marked larger
 _LEFT, _RIGHT = "#c1440e", "#1f5fa8"
-_DASHES = {"hip": "-", "knee": "--", "shoulder": "-.", "elbow": ":"}
+_LOOKS = {"hip": ("-", "o"), "knee": ("--", "s"), "shoulder": ("-.", "^"), "elbow": (":", "v")}
 
 
 def draw_lengths(
@@ -34,39 +36,43 @@ def draw_lengths(
     frames = np.arange(1, len(costs) + 1)
     best = int(np.nanargmin(costs))
     whole.plot(frames, costs, color="black")
-    whole.plot(best + 1, costs[best], "o", color=_LEFT)
-    whole.annotate(
-        f"{best + 1} frames, {(best + 1) / a.fps:.2f} s",
-        (best + 1, costs[best]),
-        textcoords="offset points",
-        xytext=(0, -18),
-        ha="center",
-    )
+    # a legend finds room inside the panel wherever the optimum lies
+    told = _optimum(best + 1, a.fps)
+    whole.plot(best + 1, costs[best], "o", color=_LEFT, label=told, clip_on=False)
+    whole.legend(fontsize="small")
     whole.set_ylabel("mean weighted distance (rad²)")
     whole.set_title(title or f"Cost of a {specification} blend from frame {i} to frame {j}")
     for role, curve in joint_curves(a, b, i, j, specification).items():
         side, _, limb = role.partition("_")
-        color = _LEFT if side == "left" else _RIGHT
-        each.plot(frames, curve, color=color, ls=_DASHES.get(limb, "-"), label=role)
-        if not np.all(np.isnan(curve)):
-            low = int(np.nanargmin(curve))
-            each.plot(low + 1, curve[low], ".", color=color)
+        dash, mark = _LOOKS[limb]
+        each.plot(
+            frames, curve, ls=dash, marker=mark, ms=4, markevery=[int(np.nanargmin(curve))],
+            color=_LEFT if side == "left" else _RIGHT, label=role, clip_on=False,
+        )  # fmt: skip
     each.set_ylabel("mean distance of each joint (rad²)")
     each.set_xlabel("blend length (frames)")
     each.legend(fontsize="small", ncols=2)
+    each.set_xlim(0, len(costs) + 1)
     for axes in (whole, each):
         axes.set_ylim(bottom=0)
         axes.spines[["top", "right"]].set_visible(False)
     save(figure, path)
 
 
+def _optimum(frames: int, fps: float) -> str:
+    return f"least at {frames} frame{'s' if frames > 1 else ''}, {frames / fps:.2f} s"
+
+
 def draw_cost(cost: Array, minima: Sequence[Point], names: tuple[str, str], path: Path) -> None:
     """The cost matrix as in Fig. IV.1, darker is cheaper, with its local minima marked."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(6.4, 5.6), layout="constrained")
+    tall = float(np.clip(cost.shape[0] / cost.shape[1], SLIMMEST, 1 / SLIMMEST))
+    size = (5.0 * min(1 / tall, 1) + 1.4, 5.0 * min(tall, 1) + 0.8)
+    figure = Figure(figsize=size, layout="compressed")
     axes = figure.subplots()
-    picture = axes.imshow(cost, cmap="gray", interpolation="nearest", aspect="equal")
+    axes.set_box_aspect(tall)
+    picture = axes.imshow(cost, cmap="gray", interpolation="nearest", aspect="auto")
     figure.colorbar(picture, ax=axes, label="cost (darker is cheaper)")
     axes.plot([p.j for p in minima], [p.i for p in minima], ".", color="#ff9d5c", ms=2.5)
     cheap = minima[:MARKED]
@@ -76,13 +82,12 @@ def draw_cost(cost: Array, minima: Sequence[Point], names: tuple[str, str], path
         axes.plot(best.j, best.i, "o", mfc="none", mec=_LEFT, ms=11, mew=1.6)
     axes.set_xlabel(f"frame of {names[1]}")
     axes.set_ylabel(f"frame of {names[0]}")
-    axes.set_title("Cost of a transition" + (f", least {minima[0].cost:.4g}" if minima else ""))
+    figure.suptitle(f"Cost, least {minima[0].cost:.4g}" if minima else "Cost of a transition")
     save(figure, path)
 
 
 def save(figure: "Figure", path: Path) -> None:
-    """Write a figure whole or not at all, in the format of its suffix (PNG by default)."""
-    kind = path.suffix.lower().lstrip(".") or "png"
+    """Write a figure whole or not at all, in the format of its suffix, one of PICTURES."""
     buffer = BytesIO()
-    figure.savefig(buffer, format=kind, dpi=150)
+    figure.savefig(buffer, format=path.suffix.lower().lstrip("."), dpi=150)
     write_atomic(path, buffer.getvalue())

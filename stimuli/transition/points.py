@@ -6,6 +6,8 @@ import numpy as np
 
 from stimuli.motion.quaternions import Array
 
+TRIVIAL = 15  # frames: half a second around the diagonal a motion goes on into itself
+
 
 @dataclass(frozen=True)
 class Point:
@@ -28,43 +30,49 @@ def local_minima(cost: Array, before: int = 0, after: int = 0, trivial: int = -1
         here, there = _overlap(cost.shape, di, dj)
         lower[here] |= cost[there] < cost[here]
     flat = _plateaus(cost, lower)
-    inside = np.zeros(cost.shape, dtype=bool)
-    inside[before:, : cost.shape[1] - after] = True
-    if trivial >= 0:
-        rows, columns = np.indices(cost.shape)
-        inside &= np.abs(rows - columns) > trivial
-    cells = np.argwhere(flat & inside)
+    cells = np.argwhere(flat & _allowed(cost.shape, before, after, trivial))
     found = [Point(int(i), int(j), float(cost[i, j])) for i, j in cells]
     return sorted(found, key=lambda point: (point.cost, point.i, point.j))
 
 
 def cheapest(cost: Array, before: int = 0, after: int = 0, trivial: int = -1) -> Point | None:
     """The cheapest cell that qualifies, the first of equals; None when none does."""
-    allowed = np.full(cost.shape, np.inf)
-    inside = (slice(before, None), slice(0, max(cost.shape[1] - after, 0)))
-    allowed[inside] = cost[inside]
-    if trivial >= 0:
-        rows, columns = np.indices(cost.shape)
-        allowed[np.abs(rows - columns) <= trivial] = np.inf
+    allowed = np.where(_allowed(cost.shape, before, after, trivial), cost, np.inf)
     i, j = np.unravel_index(int(np.argmin(allowed)), cost.shape)
     if not np.isfinite(allowed[i, j]):
         return None
     return Point(int(i), int(j), float(cost[i, j]))
 
 
-def probabilities(cost: Array, sigma: float | None = None) -> Array:
+def default_sigma(cost: Array, trivial: int = -1) -> float:
+    """σ of IV.1 where none is given: the mean over the frames of their cheapest cost.
+
+    `trivial` excludes what `local_minima` excludes; without it a motion against itself has σ = 0.
+    """
+    least = np.where(_allowed(cost.shape, 0, 0, trivial), cost, np.inf).min(axis=1)
+    possible = least[np.isfinite(least)]
+    return float(possible.mean()) if possible.sum() > 0 else 1.0
+
+
+def probabilities(cost: Array, sigma: float) -> Array:
     """P(i, j) ∝ exp(−D(i, j−1)/σ) (IV.1), each row summing to 1; frame 0 is entered from nowhere.
 
-    σ is the mean of the cheapest cost of every frame unless given.
+    σ is above 0, in the unit of the cost.
     """
-    if sigma is None:
-        sigma = float(np.mean(cost.min(axis=1))) or 1.0
     shifted = cost[:, :-1]
     likely = np.zeros(cost.shape)
     if shifted.shape[1]:
-        likely[:, 1:] = np.exp(-(shifted - shifted.min(axis=1, keepdims=True)) / sigma)
+        with np.errstate(over="ignore"):  # a tiny σ leaves the cheapest alone
+            excess = (shifted - shifted.min(axis=1, keepdims=True)) / sigma
+        likely[:, 1:] = np.exp(-excess)
         likely /= likely.sum(axis=1, keepdims=True)
     return likely
+
+
+def _allowed(shape: tuple[int, ...], before: int, after: int, trivial: int) -> np.ndarray:
+    """Cells with `before` frames before i, `after` behind j, farther than `trivial` from i = j."""
+    i, j = np.ogrid[: shape[0], : shape[1]]
+    return np.asarray((i >= before) & (j < shape[1] - after) & (np.abs(i - j) > trivial))
 
 
 _NEIGHBOURS = [(di, dj) for di in (-1, 0, 1) for dj in (-1, 0, 1) if (di, dj) != (0, 0)]
@@ -95,15 +103,13 @@ def _plateaus(cost: Array, lower: np.ndarray) -> np.ndarray:
     for start in map(tuple, np.argwhere(candidates & level)):
         if seen[start]:
             continue
-        region, sound = _region(cost, start, seen)
-        if sound and not lower[tuple(np.array(region).T)].any():
+        region = _region(cost, start, seen)
+        if not lower[tuple(np.array(region).T)].any():
             keep[min(region)] = True
     return keep
 
 
-def _region(
-    cost: Array, start: tuple[int, ...], seen: np.ndarray
-) -> tuple[list[tuple[int, int]], bool]:
+def _region(cost: Array, start: tuple[int, ...], seen: np.ndarray) -> list[tuple[int, int]]:
     """Cells connected to `start` at its level; marks them in `seen`."""
     level, waiting, region = cost[start], [(int(start[0]), int(start[1]))], []
     seen[start] = True
@@ -117,4 +123,4 @@ def _region(
             if cost[k, m] == level:
                 seen[k, m] = True
                 waiting.append((k, m))
-    return region, True
+    return region

@@ -7,6 +7,7 @@ computed with a border of one frame, their local minima found, and the cheapest 
 import heapq
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -18,10 +19,10 @@ from stimuli.transition.distance import (
     check_pair,
     exact_angles,
     joint_rotations,
-    squared_euclidean,
     velocity_features,
 )
 from stimuli.transition.kernel import fused_angles
+from stimuli.transition.points import TRIVIAL
 from stimuli.transition.weights import Weights, weighted_joints
 
 BLOCK = 2048  # frames on a side: a block takes some hundred megabytes at the most
@@ -43,8 +44,7 @@ class _Frames:
     """All frames of some motions in a row, as the cost compares them."""
 
     rotations: Array
-    heights: Array
-    velocities: npt.NDArray[np.float32]
+    features: Array  # (N, D) whose squared differences are the rest of the cost
     motion: np.ndarray
     frame: np.ndarray
     allowed: np.ndarray
@@ -59,7 +59,7 @@ def search(
     velocity_weight: float = 1.0,
     before: int = 0,
     after: int = 0,
-    trivial: int = 15,
+    trivial: int = TRIVIAL,
     block: int = BLOCK,
     progress: Callable[[int], None] | None = None,
 ) -> list[Found]:
@@ -72,20 +72,20 @@ def search(
     check = [*from_motions, *to_motions]
     for other in check[1:]:
         check_pair(check[0], other)
-    rows = _gathered(from_motions, weights, lambda m: (before, len(m)))
-    columns = _gathered(to_motions, weights, lambda m: (0, len(m) - after))
+    level = float(from_motions[0].root[:, 1].mean())
+    rows = _gathered(from_motions, weights, velocity_weight, level, lambda m: (before, len(m)))
+    columns = _gathered(to_motions, weights, velocity_weight, level, lambda m: (0, len(m) - after))
     scale = weighted_joints(check[0].skeleton, weights)[1]
     same = np.array([[a is b for b in to_motions] for a in from_motions])
     best: list[tuple[float, tuple[int, int]]] = []  # a heap of the cheapest, the dearest on top
     for done, (top, left) in enumerate(_corners(len(rows.frame), len(columns.frame), block), 1):
-        cost, (r0, c0) = _block(rows, columns, top, left, block, scale, velocity_weight)
-        inside = _interior(cost.shape, r0, c0, top, left, block)
+        cost, (r0, c0) = _block(rows, columns, top, left, block, scale)
         if len(best) < count:  # a hundredth of a block is likely to hold as many as are wanted
             limits = [float(np.quantile(cost[::7, ::7], 0.01)), np.inf]
         else:
             limits = [-best[0][0]]
         for limit in limits:
-            cells = np.argwhere(inside & (cost < limit))
+            cells = _below(cost, limit, top - r0, left - c0, block)
             cells = cells[_sound(rows, columns, cells + np.array([r0, c0]), same, trivial)]
             cells = cells[_are_minima(cost, cells, rows, columns, (r0, c0))]
             if len(cells) >= count:
@@ -101,7 +101,7 @@ def search(
             progress(done)
     return [
         Found(
-            -negative, int(rows.motion[r]), int(rows.frame[r]),
+            max(-negative, 0.0), int(rows.motion[r]), int(rows.frame[r]),
             int(columns.motion[c]), int(columns.frame[c]),
         )
         for negative, (r, c) in sorted(best, key=lambda entry: (-entry[0], entry[1]))
@@ -122,8 +122,11 @@ def _corners(rows: int, columns: int, block: int) -> Iterator[tuple[int, int]]:
 def _gathered(
     motions: Sequence[Motion],
     weights: str | Weights,
+    velocity_weight: float,
+    level: float,
     room: Callable[[Motion], tuple[int, int]],
 ) -> _Frames:
+    """The frames of some motions; heights count from `level`, since small squares round little."""
     joints, scale = weighted_joints(motions[0].skeleton, weights)
     allowed = []
     for motion in motions:
@@ -132,22 +135,22 @@ def _gathered(
         allowed.append((frames >= first) & (frames < last))
     return _Frames(
         np.concatenate([joint_rotations(m, joints) for m in motions]),
-        np.concatenate([m.root[:, 1] for m in motions]),
-        np.concatenate([velocity_features(m, joints, scale) for m in motions]).astype(np.float32),
+        np.concatenate([_features(m, joints, scale, velocity_weight, level) for m in motions]),
         np.concatenate([np.full(len(m), k) for k, m in enumerate(motions)]),
         np.concatenate([np.arange(len(m)) for m in motions]),
         np.concatenate(allowed),
     )
 
 
+def _features(
+    motion: Motion, joints: list[int], scale: Array, velocity_weight: float, level: float
+) -> Array:
+    velocities = np.sqrt(velocity_weight) * velocity_features(motion, joints, scale)
+    return np.column_stack([motion.root[:, 1] - level, velocities])
+
+
 def _block(
-    rows: _Frames,
-    columns: _Frames,
-    top: int,
-    left: int,
-    block: int,
-    scale: Array,
-    velocity_weight: float,
+    rows: _Frames, columns: _Frames, top: int, left: int, block: int, scale: Array
 ) -> tuple[npt.NDArray[np.floating], tuple[int, int]]:
     """The cost of a block with a border of one frame, and the place of its first cell."""
     r0, c0 = max(top - 1, 0), max(left - 1, 0)
@@ -155,20 +158,32 @@ def _block(
     whole = len(rows.frame) * len(columns.frame) * len(scale)
     angles = fused_angles if whole > MANY else exact_angles
     cost = angles(rows.rotations[r], columns.rotations[c], scale)
-    cost += np.square(rows.heights[r, None] - columns.heights[None, c]).astype(cost.dtype)
-    if velocity_weight:
-        speeds = squared_euclidean(rows.velocities[r], columns.velocities[c])
-        cost += np.float32(velocity_weight) * speeds
-    return cost, (r0, c0)
+    return _with_squares(cost, rows.features[r], columns.features[c]), (r0, c0)
 
 
-def _interior(
-    shape: tuple[int, ...], r0: int, c0: int, top: int, left: int, block: int
+def _with_squares(cost: npt.NDArray[Any], x: Array, y: Array) -> npt.NDArray[Any]:
+    """`cost` (N, M) with ‖x_i − y_j‖² added in its place, to the rounding of its type.
+
+    x² − 2xy + y² is one product of matrices, and BLAS adds it to what is there: passing over a
+    block again and again takes longer than its distances.
+    """
+    from scipy.linalg import get_blas_funcs
+
+    left = np.column_stack([x, np.square(x).sum(axis=1), np.ones(len(x))])
+    right = np.column_stack([-2 * y, np.ones(len(y)), np.square(y).sum(axis=1)])
+    gemm = get_blas_funcs("gemm", dtype=cost.dtype)
+    # BLAS goes down columns, so that our rows are its columns: everything is transposed
+    factors = (right.astype(cost.dtype).T, left.astype(cost.dtype).T)
+    return np.asarray(gemm(1.0, *factors, 1.0, cost.T, trans_a=True, overwrite_c=True).T)
+
+
+def _below(
+    cost: npt.NDArray[np.floating], limit: float, top: int, left: int, block: int
 ) -> np.ndarray:
-    """The block itself without its border."""
-    inside = np.zeros(shape, dtype=bool)
-    inside[top - r0 : top - r0 + block, left - c0 : left - c0 + block] = True
-    return inside
+    """Cells (N, 2) below `limit` in the block itself, which starts at (top, left) of `cost`."""
+    below = cost[top : top + block, left : left + block] < limit
+    i, j = np.divmod(np.flatnonzero(below), below.shape[1])  # faster flat than in two dimensions
+    return np.column_stack([i + top, j + left])
 
 
 def _sound(

@@ -25,6 +25,8 @@ def tied(limbs: Mapping[str, float], trunk: Mapping[str, float] | None = None) -
     return MappingProxyType(sided | dict(trunk or {}))
 
 
+HIGHEST = 1e6  # of a weight
+
 WEIGHTS: Mapping[str, Weights] = MappingProxyType(
     {
         "lee": tied(dict.fromkeys(LIMB_ROLES, 1.0), {"pelvis": 1.0, "spine": 1.0}),
@@ -59,19 +61,37 @@ def read_weights(name: str) -> Weights:
     try:
         text = path.read_text(encoding="utf-8")
         document = json.loads(text) if path.suffix == ".json" else tomllib.loads(text)
-    except (OSError, UnicodeDecodeError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise InputError(f"{name}: expected weights, found {error}.\n{todo}") from None
-    table = document.get("weights", document)
+    table = document.get("weights", document) if isinstance(document, dict) else document
     if not isinstance(table, dict):
-        raise InputError(f"{name}: expected role = weight, found {table!r}.\n{todo}")
-    expanded: dict[str, float] = {}
-    for role, weight in table.items():
-        sides = [role] if role in ROLES else [f"{side}_{role}" for side in SIDES]
-        if not set(sides) <= set(ROLES):
-            raise InputError(f"{name}: expected a role, found {role!r}.\n{todo}")
-        if not isinstance(weight, (int, float)) or not 0 <= weight < 1e6:
-            raise InputError(f"{name}: {role}: expected a weight of 0 or more, found {weight!r}.")
-        expanded |= dict.fromkeys(sides, float(weight))
-    if not any(expanded.values()):
+        raise InputError(f"{name}: expected role = weight, found {_short(table)}.\n{todo}")
+    faults = [fault for role, weight in table.items() if (fault := _fault(role, weight))]
+    if faults:
+        raise InputError(f"{name}: {'; '.join(faults)}.\n{todo}")
+    if not any(table.values()):
         raise InputError(f"{name}: expected a weight above 0, found none.\n{todo}")
-    return MappingProxyType(expanded)
+    return MappingProxyType(
+        {sided: float(weight) for role, weight in table.items() for sided in _sided(role)}
+    )
+
+
+def _sided(role: str) -> list[str]:
+    """A role itself, or a limb's two sides."""
+    return [role] if role in ROLES else [f"{side}_{role}" for side in SIDES]
+
+
+def _fault(role: str, weight: object) -> str:
+    """What is wrong with an entry of a file of weights; empty when nothing is."""
+    if not set(_sided(role)) <= set(ROLES):
+        return f"{_short(role)}: expected a role such as left_hip or hip"
+    number = isinstance(weight, (int, float)) and not isinstance(weight, bool)
+    if not (number and 0 <= weight <= HIGHEST):  # type: ignore[operator]
+        return f"{role}: expected a number from 0 to {HIGHEST:g}, found {_short(weight)}"
+    return ""
+
+
+def _short(found: object) -> str:
+    """What was found, as far as a line has room for it."""
+    text = repr(found)
+    return text if len(text) <= 60 else f"{text[:57]}…"

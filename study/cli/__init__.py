@@ -8,6 +8,7 @@ import sys
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
+from typing import NoReturn
 
 COMMANDS = {
     "demo": "do the main job on sample motions: stimuli, a session, a report",
@@ -50,6 +51,13 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 2 if _is_input_fault(error) else 1
 
 
+class _Parser(argparse.ArgumentParser):
+    """A parser that says bad usage in a line, as other faults are said, without the usage."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(2, f"{self.prog}: {message} (`{self.prog} --help` tells more)\n")
+
+
 def _say_warning(message: Warning | str, *_: object, **__: object) -> None:
     """A warning as a line for people, without the place in the code that raised it."""
     print(f"segue: warning: {message}", file=sys.stderr)
@@ -57,7 +65,7 @@ def _say_warning(message: Warning | str, *_: object, **__: object) -> None:
 
 def _parser(named: str | None) -> argparse.ArgumentParser:
     """The whole parser; only the command that is `named` gets its own arguments."""
-    parser = argparse.ArgumentParser(
+    parser = _Parser(
         prog="segue", description="How do people see the transitions between captured motions?"
     )
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)

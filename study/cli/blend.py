@@ -26,14 +26,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    from stimuli.errors import InputError
     from stimuli.transition import transition
     from study.cli.clips import open_library, open_point, tell_warnings
-    from study.cli.common import print_json
+    from study.cli.common import check_outputs, print_json
 
     writers = {".bvh": _write_bvh, ".mp4": _write_video, ".mkv": _write_video}
-    if args.out.suffix.lower() not in writers:
-        raise InputError(f"--out: expected FILE.bvh, .mp4 or .mkv, found {args.out}.")
+    check_outputs(("--out", args.out, tuple(writers)))
     library = open_library(args.motions)
     a, b = open_point(library, args.from_point), open_point(library, args.to_point)
     tell_warnings(a.clip, b.clip)

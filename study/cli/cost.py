@@ -2,31 +2,37 @@
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from stimuli.motion.quaternions import Array
     from stimuli.transition.points import Point
+
+SHOWN = 20  # of the minima are printed
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    from study.cli.common import add_motions_option
+    from study.cli.common import (
+        COUNT,
+        SIGMA,
+        add_motions_option,
+        add_room_options,
+        add_velocity_option,
+    )
 
     parser.add_argument("from_clip", metavar="A", help="clip to leave, or a directory of clips")
     parser.add_argument("to_clip", metavar="B", help="clip to enter, or a directory of clips")
     parser.add_argument("--weights", default="wang", help="lee, wang or FILE of role = weight")
+    add_velocity_option(parser)
+    add_room_options(parser)
     parser.add_argument(
-        "--velocity-weight", type=float, default=1.0, metavar="NU", help="ν, 1 by default"
+        "--count", type=COUNT, default=50, metavar="N", help="points wanted of whole directories"
     )
     parser.add_argument(
-        "--before", type=int, default=0, metavar="N", help="frames wanted before the transition"
+        "--sigma",
+        type=SIGMA,
+        help="σ of the transition probabilities (default: the mean of the frames' cheapest costs)",
     )
-    parser.add_argument(
-        "--after", type=int, default=0, metavar="N", help="frames wanted after the transition"
-    )
-    parser.add_argument(
-        "--count", type=int, default=50, metavar="N", help="points wanted of whole directories"
-    )
-    parser.add_argument("--sigma", type=float, help="σ of the transition probabilities")
     parser.add_argument("--out", type=Path, metavar="cost.png", help="draw the matrix")
     parser.add_argument("--npz", type=Path, metavar="cost.npz", help="save the matrix")
     parser.add_argument("--json", action="store_true", help="print one JSON document")
@@ -35,59 +41,70 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     from stimuli.transition.distance import cost_matrix
-    from stimuli.transition.points import local_minima, probabilities
+    from stimuli.transition.plots import PICTURES, draw_cost
+    from stimuli.transition.points import TRIVIAL, default_sigma, local_minima, probabilities
     from stimuli.transition.weights import read_weights
     from study.cli.clips import open_library, tell_warnings
-    from study.cli.common import print_json
+    from study.cli.common import check_outputs, check_room, print_json
 
     if any(Path(name).is_dir() for name in (args.from_clip, args.to_clip)):
         return _search(args)
+    check_outputs(("--out", args.out, PICTURES), ("--npz", args.npz, (".npz",)))
+    weights = read_weights(args.weights)
     library = open_library(args.motions)
     a, b = library.load(args.from_clip), library.load(args.to_clip)
     tell_warnings(a, b)
-    weights = read_weights(args.weights)
+    check_room(args, [a.motion], [b.motion])
     cost = cost_matrix(a.motion, b.motion, weights, args.velocity_weight)
-    same = a.sha256 == b.sha256
-    minima = local_minima(cost, args.before, args.after, TRIVIAL if same else -1)
+    trivial = TRIVIAL if a.sha256 == b.sha256 else -1
+    minima = local_minima(cost, args.before, args.after, trivial)
+    sigma = args.sigma or default_sigma(cost, trivial)
+    likely = probabilities(cost, sigma)
     if args.out:
-        from stimuli.transition.plots import draw_cost
-
         draw_cost(cost, minima, (a.name, b.name), args.out)
     if args.npz:
-        _save(args.npz, cost=cost, probability=probabilities(cost, args.sigma))
+        _save(args.npz, cost=cost, probability=likely, sigma=sigma)
+    listed = [_entry(point, likely) for point in minima]
     if args.json:
-        listed = [_entry(point) for point in minima]
-        least = listed[0] if listed else None
-        print_json({"frames": list(cost.shape), "minimum": least, "local_minima": listed})
-    else:
-        print(f"{a.name} ({cost.shape[0]} frames) to {b.name} ({cost.shape[1]}), cheapest first")
-        for point in minima[:20]:
-            print(f"{point.i:5d} → {point.j:<5d} {point.cost:.6f}")
-        if len(minima) > 20:
-            print(f"… and {len(minima) - 20} more local minima (--json lists them)")
+        document = {"frames": list(cost.shape), "sigma": sigma}
+        print_json(document | _minima(listed))
+        return 0
+    print(f"{a.name} ({cost.shape[0]} frames) to {b.name} ({cost.shape[1]}), cheapest first")
+    print(f"from → to, cost, probability P(i, j) with σ = {sigma:.6g}")
+    for entry in listed[:SHOWN]:
+        print(
+            f"{entry['from']:5d} → {entry['to']:<5d} {entry['cost']:.6f}  "
+            f"{entry['probability']:.4g}"
+        )
+    if len(listed) > SHOWN:
+        print(f"… and {len(listed) - SHOWN} more local minima (--json lists them)")
+    _say_if_none(listed, args)
     return 0
 
 
 def _search(args: argparse.Namespace) -> int:
     """The best transition points between whole directories, block by block."""
     from stimuli.errors import InputError
+    from stimuli.transition.points import TRIVIAL
     from stimuli.transition.search import blocks, search
     from stimuli.transition.weights import read_weights
     from study.cli.clips import open_all
-    from study.cli.common import print_json, progress
+    from study.cli.common import check_room, print_json, progress
 
-    if args.out or args.npz:
-        raise InputError("--out, --npz: expected two clips, found a directory; search prints.")
-    if args.count < 1:
-        raise InputError(f"--count: expected 1 or more, found {args.count}.")
+    if args.out or args.npz or args.sigma:
+        raise InputError(
+            "--out, --npz, --sigma: expected two clips, found a directory; search prints."
+        )
+    weights = read_weights(args.weights)
     a, b = open_all(args.motions, [args.from_clip, args.to_clip])
     froms, tos = [clip.motion for clip in a], [clip.motion for clip in b]
+    check_room(args, froms, tos)
     with progress(blocks(froms, tos), "searching") as step:
         found = search(
             froms,
             tos,
             count=args.count,
-            weights=read_weights(args.weights),
+            weights=weights,
             velocity_weight=args.velocity_weight,
             before=args.before,
             after=args.after,
@@ -105,21 +122,31 @@ def _search(args: argparse.Namespace) -> int:
         for point in found
     ]
     if args.json:
-        print_json({"frames": [sum(map(len, froms)), sum(map(len, tos))], "local_minima": listed})
-    else:
-        for entry in listed:
-            print(
-                f"{entry['from_clip']}:{entry['from']} → {entry['to_clip']}:{entry['to']}"
-                f"   {entry['cost']:.6f}"
-            )
+        print_json({"frames": [sum(map(len, froms)), sum(map(len, tos))]} | _minima(listed))
+        return 0
+    for entry in listed:
+        print(
+            f"{entry['from_clip']}:{entry['from']} → {entry['to_clip']}:{entry['to']}"
+            f"   {entry['cost']:.6f}"
+        )
+    _say_if_none(listed, args)
     return 0
 
 
-TRIVIAL = 15  # frames: half a second around the diagonal a motion goes on into itself
+def _entry(point: "Point", likely: "Array") -> dict[str, Any]:
+    chance = float(likely[point.i, point.j])
+    return {"from": point.i, "to": point.j, "cost": point.cost, "probability": chance}
 
 
-def _entry(point: "Point") -> dict[str, float]:
-    return {"from": point.i, "to": point.j, "cost": point.cost}
+def _minima(listed: list[dict[str, Any]]) -> dict[str, Any]:
+    """The least of the minima, null where there is none, and all of them."""
+    return {"minimum": listed[0] if listed else None, "local_minima": listed}
+
+
+def _say_if_none(listed: list[dict[str, Any]], args: argparse.Namespace) -> None:
+    if not listed:
+        room = f"{args.before} frames before it and {args.after} after it"
+        print(f"none: no local minimum has {room}, apart from a motion going on into itself")
 
 
 def _save(path: Path, **arrays: object) -> None:

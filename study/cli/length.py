@@ -22,16 +22,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
+    from stimuli.transition.plots import PICTURES, draw_lengths
     from study.cli.clips import open_library, open_point, tell_warnings
-    from study.cli.common import print_json
+    from study.cli.common import check_outputs, print_json
 
+    check_outputs(("--out", args.out, PICTURES))
     library = open_library(args.motions)
     a, b = open_point(library, args.from_point), open_point(library, args.to_point)
     tell_warnings(a.clip, b.clip)
     found = lengths(a, b, args.specification)
     if args.out:
-        from stimuli.transition.plots import draw_lengths
-
         title = f"{a.clip.name}:{a.frame} to {b.clip.name}:{b.frame}, {args.specification}"
         draw_lengths(a.motion, b.motion, a.place, b.place, args.specification, args.out, title)
     if args.json:

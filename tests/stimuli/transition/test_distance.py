@@ -9,7 +9,7 @@ from stimuli.motion import quaternions as quat
 from stimuli.motion.kinematics import placed
 from stimuli.transition.distance import cost_matrix, exact_angles, pose_distance
 from stimuli.transition.kernel import arccos_squared, fused_angles
-from stimuli.transition.points import cheapest, local_minima, probabilities
+from stimuli.transition.points import cheapest, default_sigma, local_minima, probabilities
 from stimuli.transition.weights import WEIGHTS, read_weights
 
 
@@ -118,6 +118,13 @@ def test_room_and_triviality_exclude_cells():
     assert cheapest(cost, before=30) is None
 
 
+@pytest.mark.parametrize(("before", "after"), [(0, 30), (0, 45), (30, 0), (100, 100)])
+def test_more_room_than_there_is_leaves_no_point(before, after):
+    cost = np.random.default_rng(4).uniform(size=(30, 30))
+    assert local_minima(cost, before, after) == []
+    assert cheapest(cost, before, after) is None
+
+
 def test_probabilities_follow_the_cost_of_the_frame_before():
     cost = np.random.default_rng(5).uniform(size=(6, 9))
     likely = probabilities(cost, sigma=0.2)
@@ -127,12 +134,48 @@ def test_probabilities_follow_the_cost_of_the_frame_before():
     assert np.isclose(ratio, np.exp((cost[2, 6] - cost[2, 3]) / 0.2))
 
 
+def test_a_tiny_sigma_leaves_the_cheapest_alone():
+    cost = np.random.default_rng(5).uniform(size=(6, 9))
+    likely = probabilities(cost, sigma=1e-300)
+    assert np.array_equal(likely.argmax(axis=1), cost[:, :-1].argmin(axis=1) + 1)
+    assert np.array_equal(likely.max(axis=1), np.ones(6))
+
+
+def test_sigma_is_the_mean_of_the_cheapest_costs_where_a_motion_leads_elsewhere():
+    cost = np.array([[1.0, 2.0, 9.0], [4.0, 3.0, 5.0]])
+    assert default_sigma(cost) == 2.0
+    itself = np.abs(np.subtract.outer(np.arange(9.0), np.arange(9.0)))
+    assert default_sigma(itself, trivial=3) == 4.0 * 8 / 8
+    assert default_sigma(itself) == 1.0  # no cost anywhere to go by
+
+
 def test_weights_are_read_from_files(tmp_path):
     path = tmp_path / "w.toml"
     path.write_text("[weights]\nhip = 1.0\nleft_knee = 0.5\npelvis = 0.25\n")
     weights = read_weights(str(path))
     assert dict(weights) == {"left_hip": 1.0, "right_hip": 1.0, "left_knee": 0.5, "pelvis": 0.25}
-    for text in ("nose = 1.0", "hip = -1.0", "hip = 0.0", "hip = ["):
-        path.write_text(text)
-        with pytest.raises(InputError):
-            read_weights(str(path))
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "told"),
+    [
+        ("w.toml", "nose = 1.0", "nose"),
+        ("w.toml", "hip = -1.0", "hip: .*-1.0"),
+        ("w.toml", "hip = true", "hip: .*True"),
+        ("w.toml", "hip = nan", "hip: .*nan"),
+        ("w.toml", "hip = inf\nknee = 'x'", "hip: .*inf; knee: .*'x'"),
+        ("w.toml", "hip = 0.0", "above 0"),
+        ("w.toml", "hip = [", "expected weights"),
+        ("w.json", "[1, 2]", r"role = weight, found \[1, 2\]"),
+        ("w.json", '{"weights": 3}', "role = weight, found 3"),
+        ("w.json", "null", "role = weight, found None"),
+        ("w.json", "[" * 100_000, "expected weights"),
+    ],
+)
+def test_weights_that_are_none_are_refused_with_file_and_key(tmp_path, name, text, told):
+    path = tmp_path / name
+    path.write_text(text)
+    with pytest.raises(InputError, match=told) as refusal:
+        read_weights(str(path))
+    assert str(path) in str(refusal.value)
+    assert len(str(refusal.value).splitlines()) <= 2

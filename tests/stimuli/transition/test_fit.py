@@ -72,6 +72,38 @@ def test_leaving_one_out_moves_the_best_point_little(bodies):
     assert summary(foreign)["unmoved"] > len(labelled) / 2
 
 
+def told_apart(bodies, good: int, bad: int) -> list[Labelled]:
+    """Labels of one pair of motions by its cost: good at the cheapest cells, bad at the dearest."""
+    a, b = bodies.wandering(40, 0), bodies.wandering(40, 1)
+    order = np.argsort(cost_matrix(a, b), axis=None)
+    picked = [*((n, True) for n in order[:good]), *((n, False) for n in order[-bad:])]
+    return [Labelled(a, b, *map(int, np.unravel_index(n, (40, 40))), kind) for n, kind in picked]
+
+
+@pytest.mark.parametrize(("good", "bad"), [(1, 5), (5, 1), (1, 1)])
+def test_a_label_that_is_the_only_one_of_its_kind_stays(bodies, good, bad):
+    labelled = told_apart(bodies, good, bad)
+    other = (labelled[0].b, labelled[0].a)
+    for entries in leave_one_out(labelled, PARTS, other=other):
+        alone = [left.row for left in entries if left.moved is None]
+        assert alone == [row for row, t in enumerate(labelled) if (good, bad)[not t.good] == 1]
+        assert all("only one" in left.reason for left in entries if left.moved is None)
+        told = summary(entries)
+        assert told["count"] == good + bad - len(alone)
+        assert (told["mean"] is None) == (told["count"] == 0)
+
+
+def test_the_best_points_have_the_room_that_is_wanted(bodies):
+    labelled = told_apart(bodies, 4, 4)
+    own, _ = leave_one_out(labelled, PARTS, before=12, after=9)
+    for left in own:
+        for point in (left.best, left.without):
+            assert point.i >= 12
+            assert point.j < 31
+    with pytest.raises(InputError, match="40 frames before"):
+        leave_one_out(labelled, PARTS, before=40)
+
+
 def test_labels_that_say_nothing_are_refused(bodies):
     a = bodies.wandering(20, 1)
     parts = common_parts([a])

@@ -6,7 +6,7 @@ import pytest
 from stimuli.errors import InputError
 from stimuli.motion import Motion
 from stimuli.motion import quaternions as quat
-from stimuli.transition import SPECIFICATIONS, blend_length
+from stimuli.transition import LONGEST, SPECIFICATIONS, blend_length, plots
 from stimuli.transition.curves import joint_curves
 from stimuli.transition.length import geodesic_costs
 from stimuli.transition.lengthmap import length_map, lengths_of
@@ -170,3 +170,37 @@ def test_lengths_of_what_does_not_exist_are_refused(bodies):
         blend_length(a, a, 20, 3, "geodesic")
     with pytest.raises(InputError, match="velocity"):
         blend_length(a, a, 2, 3, "speed")
+
+
+@pytest.mark.parametrize(
+    ("i", "j", "told"),
+    [(20, 20, "1 frame, 0.03 s"), (20, 36, "17 frames, 0.57 s"), (20, 0, "1 frame, 0.03 s")],
+)
+def test_the_picture_shows_every_length_and_names_the_best_inside_its_panel(
+    bodies, monkeypatch, tmp_path, i, j, told
+):
+    drawn = []
+    monkeypatch.setattr(plots, "save", lambda figure, path: drawn.append(figure))
+    a = bodies.wandering(90, 3)
+    plots.draw_lengths(a, a, i, j, "start-end", tmp_path / "length.png")
+    (figure,) = drawn
+    figure.draw_without_rendering()
+    whole, each = figure.axes
+    assert whole.get_xlim() == each.get_xlim() == (0, LONGEST + 1)
+    (label,) = whole.get_legend().get_texts()
+    assert label.get_text() == f"least at {told}"
+    panel, box = whole.get_window_extent(), label.get_window_extent()
+    assert panel.x0 < box.x0 < box.x1 < panel.x1
+    assert panel.y0 < box.y0 < box.y1 < panel.y1
+
+
+@pytest.mark.parametrize("shape", [(400, 30), (30, 400), (50, 50)])
+def test_the_picture_of_a_long_and_a_short_clip_is_no_thread(monkeypatch, tmp_path, shape):
+    drawn = []
+    monkeypatch.setattr(plots, "save", lambda figure, path: drawn.append(figure))
+    plots.draw_cost(np.random.default_rng(0).uniform(size=shape), [], ("a", "b"), tmp_path / "c")
+    (figure,) = drawn
+    figure.draw_without_rendering()
+    panel, (width, height) = figure.axes[0].get_window_extent(), figure.canvas.get_width_height()
+    assert panel.width > 0.5 * width
+    assert panel.height > 0.5 * height

@@ -1,22 +1,39 @@
 """The search in blocks finds what the whole matrices hold."""
 
+import pytest
+
 from stimuli.transition.distance import cost_matrix
 from stimuli.transition.points import local_minima
 from stimuli.transition.search import blocks, search
 
 
-def test_a_search_in_blocks_is_the_search_of_the_whole(bodies):
+@pytest.mark.parametrize("velocity_weight", [0.0, 1.0, 30.0])
+def test_a_search_in_blocks_is_the_search_of_the_whole(bodies, velocity_weight):
     motions = [bodies.wandering(frames, seed) for seed, frames in enumerate((40, 61, 25))]
     whole = sorted(
         (point.cost, x, point.i, y, point.j)
         for x, a in enumerate(motions)
         for y, b in enumerate(motions)
-        for point in local_minima(cost_matrix(a, b), 3, 4, trivial=5 if a is b else -1)
+        for point in local_minima(
+            cost_matrix(a, b, velocity_weight=velocity_weight), 3, 4, 5 if a is b else -1
+        )
     )[:40]
     told: list[int] = []
     found = search(
-        motions, motions, count=40, before=3, after=4, trivial=5, block=17, progress=told.append
-    )
+        motions, motions, count=40, velocity_weight=velocity_weight, before=3, after=4, trivial=5,
+        block=17, progress=told.append,
+    )  # fmt: skip
     assert [(f.from_motion, f.i, f.to_motion, f.j) for f in found] == [row[1:] for row in whole]
     assert all(abs(f.cost - row[0]) < 1e-6 for f, row in zip(found, whole, strict=True))
     assert told[-1] == blocks(motions, motions, 17) == 64
+
+
+def test_blocks_in_single_precision_find_the_same_points(bodies, monkeypatch):
+    motions = [bodies.wandering(frames, seed) for seed, frames in enumerate((60, 45))]
+    exact = search(motions, motions, count=20, block=33)
+    monkeypatch.setattr("stimuli.transition.search.MANY", 0)
+    fused = search(motions, motions, count=20, block=33)
+    assert [(f.from_motion, f.i, f.to_motion, f.j) for f in fused] == [
+        (f.from_motion, f.i, f.to_motion, f.j) for f in exact
+    ]
+    assert [f.cost for f in fused] == pytest.approx([f.cost for f in exact], abs=1e-5)
