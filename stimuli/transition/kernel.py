@@ -19,6 +19,7 @@ Single = npt.NDArray[np.float32]
 DEGREE = 7
 
 
+@cache
 def arccos_squared(degree: int = DEGREE) -> Array:
     """Coefficients, lowest power first, of the polynomial that is arccos² on [0, 1]."""
     fitted = np.polynomial.Chebyshev.interpolate(

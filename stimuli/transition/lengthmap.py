@@ -18,6 +18,7 @@ from stimuli.transition.weights import Weights
 from stimuli.transition.window import LONGEST, specified
 
 _MANY = 1_000_000  # cells; below, loading the compiler costs more than it saves
+_STRIP = 256  # cells whose best stays in a core's nearest memory over all lengths
 # For each piece: its length b, where it starts and how many cells it has, from (i, j)
 Pieces = tuple[tuple[int, int, int, int], ...]
 
@@ -48,7 +49,7 @@ def lengths_of(distance: np.ndarray, specification: str) -> tuple[np.ndarray, Ar
         if rows.start >= rows.stop or columns.start >= columns.stop:
             continue
         total = sums[count:, count:] - sums[:-count, :-count]
-        mean = total / count
+        mean = total * (1.0 / count)
         better = mean < least[rows, columns]
         least[rows, columns] = np.where(better, mean, least[rows, columns])
         frames[rows, columns] = np.where(better, length, frames[rows, columns])
@@ -81,7 +82,7 @@ _PIECES: Mapping[str, Pieces] = MappingProxyType(
 
 @cache
 def _compiled() -> Callable[..., Any]:
-    """The same loop on all cores, row by row, compiled on the first call."""
+    """The same loop on all cores, strip by strip of a row, compiled on the first call."""
     import numba
 
     numba.config.THREADING_LAYER = "forksafe"  # type: ignore[attr-defined]
@@ -90,17 +91,27 @@ def _compiled() -> Callable[..., Any]:
     def fill(sums: Array, pieces: np.ndarray, frames: np.ndarray, least: Array) -> None:
         height, width = frames.shape
         for i in numba.prange(height):
-            best, chosen = least[i], frames[i]
-            for p in range(pieces.shape[0]):
-                length, up, left, count = pieces[p]
-                top = i - up
-                if top < 0 or top + count > height:
-                    continue
-                ends, starts = sums[top + count], sums[top]
-                for j in range(left, width - (count - 1 - left)):
-                    mean = (ends[j - left + count] - starts[j - left]) / count
-                    if mean < best[j]:
-                        best[j] = mean
-                        chosen[j] = length
+            for first in range(0, width, _STRIP):
+                beyond = min(first + _STRIP, width)
+                best, chosen = np.full(_STRIP, np.inf), np.zeros(_STRIP, np.int64)
+                for p in range(pieces.shape[0]):
+                    length, up, left, count = pieces[p]
+                    top = i - up
+                    start = max(first, left)
+                    n = min(beyond, width - (count - 1 - left)) - start
+                    if top < 0 or top + count > height or n <= 0:
+                        continue
+                    begins = sums[top, start - left : start - left + n]
+                    ends = sums[top + count, start - left + count : start - left + count + n]
+                    cost = best[start - first : start - first + n]
+                    of = chosen[start - first : start - first + n]
+                    share = 1.0 / count
+                    for k in range(n):
+                        mean = (ends[k] - begins[k]) * share
+                        if mean < cost[k]:
+                            cost[k] = mean
+                            of[k] = length
+                least[i, first:beyond] = best[: beyond - first]
+                frames[i, first:beyond] = chosen[: beyond - first]
 
     return fill

@@ -4,7 +4,11 @@ Everything is measured on generated data of the sizes that the figures are state
 numbers are the same kind everywhere; rivals get the same data in the same run.
 """
 
+import itertools
+import json
 import statistics
+import subprocess
+import sys
 import tempfile
 import time
 import warnings
@@ -23,16 +27,20 @@ from stimuli.transition import transition
 from stimuli.transition.distance import exact_angles
 from stimuli.transition.kernel import fused_angles
 from stimuli.transition.lengthmap import lengths_of
-from stimuli.transition.weights import MAJOR, WEIGHTS
+from stimuli.transition.search import BLOCK, search
+from stimuli.transition.weights import MAJOR, WEIGHTS, weighted_joints
 
 RUNS = 15
 FRAMES, JOINTS = 524, 31
 ALL_PAIRS = 2000
+LIBRARY = 20_000
 
 
 def rows() -> list[dict[str, Any]]:
     """Milliseconds, medians of several runs."""
-    return [*_reading(), *_kinematics(), *_distance(), *_lengths(), *_transition()]
+    return [
+        *_reading(), *_kinematics(), *_distance(), *_search(), *_lengths(), *_transition()
+    ]  # fmt: skip
 
 
 def _median(work: Callable[[], object], runs: int = RUNS) -> float:
@@ -54,6 +62,7 @@ def _row(
     *,
     target: float | None = None,
     faster: float | None = None,
+    unit: str = "ms",
 ) -> dict[str, Any]:
     """A row; met when the value is at most `target`, or the rival takes `faster` times as long."""
     ratio = None if rival_value is None else rival_value / value
@@ -65,7 +74,7 @@ def _row(
     return {
         "name": name,
         "value": value,
-        "unit": "ms",
+        "unit": unit,
         "rival": rival,
         "rival_value": rival_value,
         "ratio": ratio,
@@ -162,6 +171,48 @@ def _numpy_single(p: Array, q: Array, weights: Array) -> Any:
     return total
 
 
+def _search() -> list[dict[str, Any]]:
+    """The best transition points of a library by itself, in blocks; its memory in a process."""
+    done = subprocess.run(
+        [sys.executable, "-m", "tests.benchmarks.motion"],
+        cwd=Path(__file__).resolve().parents[2], check=True, capture_output=True, text=True,
+    )  # fmt: skip
+    seconds, rival, megabytes = json.loads(done.stdout)
+    name = f"best transition points of {LIBRARY} × {LIBRARY} frames"
+    whole = LIBRARY**2 * 4 / 1e6
+    return [
+        _row(name, seconds, "NumPy arccos, float32, angles alone", rival, unit="s"),
+        _row(f"{name}: memory", megabytes, "the whole matrix, float32", whole, unit="MB",
+             faster=1.0),
+    ]  # fmt: skip
+
+
+def _searched() -> tuple[float, float, float]:
+    """Seconds of a search, of NumPy's arccos on the same blocks, and megabytes at the peak."""
+    motions = [unroll(walker(seed), 0, LIBRARY // 20)[0][: LIBRARY // 20] for seed in range(20)]
+    search(motions[:1], motions[:1])
+    before = _peak(reset=True)
+    start = time.perf_counter()
+    search(motions, motions)
+    seconds = time.perf_counter() - start
+    megabytes = _peak() - before
+    joints, weights = weighted_joints(motions[0].skeleton, "wang")
+    frames = np.concatenate([motion.rotations[:, joints] for motion in motions])
+    blocks = [frames[first : first + BLOCK] for first in range(0, LIBRARY, BLOCK)]
+    start = time.perf_counter()
+    for p, q in itertools.product(blocks, blocks):
+        _numpy_single(p, q, weights)
+    return seconds, time.perf_counter() - start, megabytes
+
+
+def _peak(reset: bool = False) -> float:
+    """Megabytes of memory that this process has held at most, from now on if reset (Linux)."""
+    if reset:
+        Path("/proc/self/clear_refs").write_text("5")
+    status = Path("/proc/self/status").read_text()
+    return int(status.partition("VmHWM:")[2].split()[0]) / 1000
+
+
 def _lengths() -> list[dict[str, Any]]:
     """All sixty lengths of every pair, against sixty times the distance matrix."""
     p, q, weights = _rotations()
@@ -220,3 +271,7 @@ def _scipy_blend(a: Motion, b: Motion, i: int, j: int, frames: int) -> object:
             ends = Rotation.from_quat(np.array(pair), scalar_first=True)
             blended.append(Slerp([0.0, 1.0], ends)(t / (frames + 1)))
     return blended
+
+
+if __name__ == "__main__":
+    print(json.dumps(_searched()))
