@@ -1,6 +1,5 @@
 """A clip: one file of captured motion, read and brought to Segue's conventions."""
 
-import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from hashlib import sha256
@@ -13,11 +12,12 @@ import numpy as np
 from stimuli.errors import InputError
 from stimuli.motion import quaternions as quat
 from stimuli.motion.formats import READERS
-from stimuli.motion.formats.source import Source
+from stimuli.motion.formats.source import Source, check_size, contents
 from stimuli.motion.loops import closed_cycle
+from stimuli.motion.overrides import AUTO, Overrides, overrides_for, roles_given
 from stimuli.motion.quaternions import Array
-from stimuli.motion.resample import resampled
-from stimuli.motion.roles import ROLES, missing_roles, resolve_roles
+from stimuli.motion.resample import resampled, resampled_length
+from stimuli.motion.roles import missing_roles, resolve_roles
 from stimuli.motion.skeleton import Cycle, Motion, Skeleton
 from stimuli.motion.units import (
     UPRIGHT,
@@ -29,7 +29,6 @@ from stimuli.motion.units import (
 )
 
 WORKING_RATE = 30.0
-OVERRIDES = "overrides.toml"
 _MOST_REST_POSES = 3
 
 
@@ -37,7 +36,8 @@ _MOST_REST_POSES = 3
 class Clip:
     """A motion at the working rate, with what its file said of itself.
 
-    `frames`, `fps`, `seconds` and `joints` are the file's; `scale` is metres per file unit.
+    `frames`, `fps` and `joints` are the file's, inserted rest poses among the frames; `seconds` is
+    how long the motion kept lasts, `scale` metres per file unit.
     """
 
     motion: Motion
@@ -65,21 +65,18 @@ def load(
 ) -> Clip:
     """Read a clip of any known format. InputError when it cannot be used.
 
-    `overrides` (a TOML file or its contents) may hold `scale`, `up`, `fps` and a table `roles`
-    of role = joint name; without it `overrides.toml` beside the clip is used when there. The
-    keyword arguments rule over both. `fps` is the file's own rate, which AMC files do not carry.
+    `overrides` (a TOML file or its contents) may hold `scale`, `up`, `fps`, a table `roles` of
+    role = joint name, and tables `clips.NAME` of the same for the clip of that stem or file name,
+    which rule over the general ones; without it `overrides.toml` beside the clip is used when
+    there. The keyword arguments rule over both. `fps` is the file's own rate, which AMC files do
+    not carry.
     """
     path = Path(path)
-    settings = _settings(path, overrides)
-    if scale == "auto":
-        scale = settings.get("scale", "auto")
-    if up == "auto":
-        up = settings.get("up", "auto")
-    rate = _rate(settings.get("fps") if fps is None else fps)
-    data = _bytes(path)
-    reader = _reader(path)
-    source = reader(path, data, rate)
-    motion, facts = _conform(path, source, scale, up, settings.get("roles", {}))
+    arguments = {"scale": scale, "up": up, "fps": AUTO if fps is None else fps}
+    said = overrides_for(path, overrides, arguments)
+    data = contents(path)
+    source = _reader(path)(path, data, said.fps)
+    motion, facts = _conform(path, source, said)
     return Clip(
         motion=motion,
         name=path.stem,
@@ -88,19 +85,10 @@ def load(
         sha256=sha256(data).hexdigest(),
         frames=len(source.root),
         fps=source.fps,
-        seconds=(len(source.root) - 1) / source.fps,
         joints=len(source.names),
         roles_missing=missing_roles(motion.skeleton.roles),
         **facts,
     )
-
-
-def _bytes(path: Path) -> bytes:
-    try:
-        return path.read_bytes()
-    except OSError as error:
-        why = error.strerror or "unreadable"
-        raise InputError(f"{path}: expected a motion clip, found none ({why}).") from None
 
 
 def _reader(path: Path) -> Callable[[Path, bytes, float | None], Source]:
@@ -113,66 +101,21 @@ def _reader(path: Path) -> Callable[[Path, bytes, float | None], Source]:
     return reader
 
 
-def _settings(path: Path, overrides: Path | Mapping[str, Any] | None) -> Mapping[str, Any]:
-    """Contents of the overrides, checked; those of `overrides.toml` beside the clip by default."""
-    if isinstance(overrides, Mapping):
-        return _checked(overrides, "overrides")
-    beside = path.parent / OVERRIDES
-    file = overrides if overrides is not None else beside if beside.is_file() else None
-    if file is None:
-        return {}
-    try:
-        return _checked(tomllib.loads(file.read_text(encoding="utf-8")), str(file))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise InputError(f"{file}: expected a TOML file of overrides, found {error}.") from None
-
-
-def _checked(settings: Mapping[str, Any], where: str) -> Mapping[str, Any]:
-    roles = settings.get("roles", {})
-    faults = [f"{key}: no such setting" for key in settings if key not in
-              ("scale", "up", "fps", "roles")]  # fmt: skip
-    if not isinstance(roles, Mapping):
-        faults.append("roles: expected a table of role = joint")
-    else:
-        faults += [f"roles.{role}: no such role" for role in roles if role not in ROLES]
-    if faults:
-        raise InputError(
-            f"{where}: {'; '.join(faults)}.\n"
-            f"Settings are scale, up, fps and [roles] of {', '.join(ROLES)}."
-        )
-    return settings
-
-
-def _rate(fps: Any) -> float | None:
-    if fps is None:
-        return None
-    if isinstance(fps, (int, float)) and 0.1 <= fps <= 100_000:
-        return float(fps)
-    raise InputError(f"fps: expected frames a second between 0.1 and 100000, found {fps!r}.")
-
-
-def _conform(
-    path: Path, source: Source, scale: float | str, up: str, given: Mapping[str, str]
-) -> tuple[Motion, dict[str, Any]]:
+def _conform(path: Path, source: Source, said: Overrides) -> tuple[Motion, dict[str, Any]]:
     """The motion in metres, +Y up, at the working rate, and what was decided on the way."""
-    if unknown := sorted(set(given.values()) - set(source.names)):
-        raise InputError(
-            f"{path}: overrides name joints that are not there: {', '.join(unknown)}.\n"
-            f"Its joints are {', '.join(source.names[:40])}."
-        )
-    notes = list(source.warnings)
+    given, doubts = roles_given(said, path, source.names)
+    notes = [*source.warnings, *said.warnings, *doubts]
     source, dropped = _without_rest_poses(source)
     if dropped:
         notes.append(f"{dropped} inserted rest pose{'s' * (dropped > 1)} dropped at the start")
     roles = resolve_roles(source.names, source.parents, source.rotations, given)
     rest, doubt = rest_up(source, roles)
-    notes += [doubt] if doubt and up == "auto" else []
-    if up == "auto":
+    up = said.up
+    if up == AUTO:
+        notes += [doubt] if doubt else []
         up, doubt = world_up(source, roles, rest)
         notes += [doubt] if doubt else []
-    elif up not in UPRIGHT:
-        raise InputError(f"up: expected auto, Y or Z, found {up!r}.")
-    metres, doubt = metres_per_unit(source, roles, scale)
+    metres, doubt = metres_per_unit(source, roles, said.scale)
     notes += [doubt] if doubt else []
     root = source.root
     if is_relative(source, roles, up):
@@ -184,9 +127,12 @@ def _conform(
     skeleton = _skeleton(source, roles, metres, UPRIGHT[rest])
     rotations, root = upright(source.rotations, root * metres, rest, up)
     cycle = _cycle(source, skeleton, rotations, root)
+    frames = resampled_length(len(root), source.fps, WORKING_RATE)
+    check_size(path, frames, len(source.names), WORKING_RATE)
     rotations, root = resampled(rotations, root, source.fps, WORKING_RATE)
     motion = Motion(skeleton, quat.continuous(rotations), root, WORKING_RATE, cycle)
-    return motion, {"scale": metres, "up": up, "warnings": tuple(notes)}
+    seconds = (len(source.root) - 1) / source.fps
+    return motion, {"seconds": seconds, "scale": metres, "up": up, "warnings": tuple(notes)}
 
 
 def _without_rest_poses(source: Source) -> tuple[Source, int]:

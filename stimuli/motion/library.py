@@ -6,8 +6,9 @@ from functools import cached_property
 from pathlib import Path
 
 from stimuli.errors import InputError
-from stimuli.motion.clip import OVERRIDES, Clip, load
+from stimuli.motion.clip import Clip, load
 from stimuli.motion.formats import READERS
+from stimuli.motion.overrides import OVERRIDES
 
 _SNIFFED = {".txt", ".json"}  # suffixes that other files carry too
 _NEVER_FOUND = {".asf", ".c3d"}  # formats that are always refused are no clips to be named

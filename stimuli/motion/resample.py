@@ -17,9 +17,15 @@ def sampled(rotations: Array, root: Array, places: Array) -> tuple[Array, Array]
     return mixed, root[before] + part[:, None] * (root[after] - root[before])
 
 
+def resampled_length(frames: int, fps: float, to: float) -> int:
+    """Frames of a motion of `frames` at `fps` once it is at the rate `to`."""
+    return int(np.floor((frames - 1) * to / fps + 1e-6)) + 1
+
+
 def resampled(rotations: Array, root: Array, fps: float, to: float) -> tuple[Array, Array]:
     """The motion at the rate `to`: frame k at k / to s, floor((F−1)·to/fps + 1e-6) + 1 frames."""
-    frames = int(np.floor((len(root) - 1) * to / fps + 1e-6)) + 1
-    places = np.minimum(np.arange(frames) * (fps / to), len(root) - 1.0)
+    places = np.minimum(
+        np.arange(resampled_length(len(root), fps, to)) * (fps / to), len(root) - 1.0
+    )
     snapped = np.round(places)
     return sampled(rotations, root, np.where(np.abs(places - snapped) < 1e-6, snapped, places))

@@ -62,6 +62,26 @@ class Skeleton:
         return self.names == other.names and np.array_equal(self.parents, other.parents)
 
 
+def children_of(parents: np.ndarray) -> list[list[int]]:
+    """The joints that hang on each joint, in their own order."""
+    children: list[list[int]] = [[] for _ in parents]
+    for joint, parent in enumerate(parents):
+        if parent >= 0:
+            children[parent].append(joint)
+    return children
+
+
+def depth_first_order(parents: np.ndarray) -> list[int]:
+    """Joints as a nested hierarchy lists them: each, then all that hangs on it."""
+    children = children_of(parents)
+    order, waiting = [], [0]
+    while waiting:
+        joint = waiting.pop()
+        order.append(joint)
+        waiting += reversed(children[joint])
+    return order
+
+
 @dataclass(frozen=True, eq=False)
 class Cycle:
     """One closed cycle of a loop: its last pose is its first, turned and moved on the floor.

@@ -4,7 +4,6 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from stimuli.errors import InputError
 from stimuli.motion import quaternions as quat
 from stimuli.motion.formats.source import Source
 from stimuli.motion.quaternions import Array
@@ -79,14 +78,8 @@ def metres_per_unit(
     source: Source, roles: Mapping[str, int], scale: float | str
 ) -> tuple[float, str | None]:
     """Metres in a file unit; `scale` is that number or "auto"; a warning when it is a guess."""
-    if scale != "auto":
-        try:
-            given = float(scale)
-        except ValueError:
-            given = 0.0
-        if not 1e-6 < given < 1e6:
-            raise InputError(f"scale: expected auto or metres per file unit, found {scale!r}.")
-        return given, None
+    if not isinstance(scale, str):
+        return float(scale), None
     height, doubt = stature(source, roles), None
     if height is None:
         extent = np.ptp(rest_positions(source.parents, source.offsets), axis=0)

@@ -35,12 +35,15 @@ def open_library(motions: list[Path] | None) -> "Library":
 def open_point(library: "Library", text: str) -> Point:
     """The frame that `CLIP:FRAME` names; InputError when there is none such."""
     from stimuli.errors import InputError
+    from stimuli.motion.formats.source import shown
+    from stimuli.motion.formats.words import whole
     from stimuli.transition import with_room
 
     name, colon, number = text.rpartition(":")
-    if not colon or not number.isdigit():
-        raise InputError(f"{text}: expected CLIP:FRAME, such as walk:42.")
-    clip, frame = library.load(name), int(number)
+    frame = whole(number)
+    if not colon or frame is None:
+        raise InputError(f"{shown(text, 200)}: expected CLIP:FRAME, such as walk:42.")
+    clip = library.load(name)
     if frame >= len(clip.motion):
         raise InputError(
             f"{text}: expected a frame of the working clip (30 a second), "

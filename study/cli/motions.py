@@ -18,7 +18,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--json", action="store_true", help="print one JSON document")
     parser.add_argument(
-        "--overrides", type=Path, metavar="TOML", help="scale, up, fps and roles for the clips"
+        "--overrides",
+        type=Path,
+        metavar="TOML",
+        help="scale, up, fps and roles for the clips, or in [clips.NAME] for one "
+        "(default: overrides.toml beside each clip)",
     )
     add_motions_option(parser)
 
@@ -116,9 +120,10 @@ def _complain(rows: list[dict[str, Any]]) -> None:
     """Refusals, warnings and missing roles, on standard error."""
     import sys
 
+    for error in dict.fromkeys(row["error"] for row in rows if "error" in row):
+        print(error, file=sys.stderr)  # once, where one file of overrides has many clips refused
     for row in rows:
         if "error" in row:
-            print(row["error"], file=sys.stderr)
             continue
         notes = list(row["warnings"])
         if row["roles_missing"]:

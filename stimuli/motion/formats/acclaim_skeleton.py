@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 
 from stimuli.motion import quaternions as quat
-from stimuli.motion.formats.source import LARGEST_NUMBER, MOST_JOINTS, fault, shown
+from stimuli.motion.formats.source import MOST_JOINTS, fault, shown
+from stimuli.motion.formats.words import IN_BOUNDS, decimals
 from stimuli.motion.quaternions import Array
 
 REMEDY = "The file is damaged; take it from its source again."
@@ -88,13 +89,10 @@ def _sections(path: Path, text: str) -> _Lines:
 
 
 def _numbers(path: Path, words: list[str], count: int, line: int) -> Array:
-    try:
-        numbers = np.array([float(word) for word in words[:count]])
-    except ValueError:
-        numbers = np.empty(0)
-    if numbers.shape != (count,) or not np.all(np.abs(numbers) < LARGEST_NUMBER):
-        raise fault(path, f"{count} numbers", shown(" ".join(words)), REMEDY, line)
-    return numbers
+    numbers = decimals(words[:count])
+    if numbers is None or len(numbers) != count:
+        raise fault(path, f"{count} numbers {IN_BOUNDS}", shown(" ".join(words)), REMEDY, line)
+    return np.array(numbers)
 
 
 def _root(lines: _Lines, unit: float) -> tuple[Bone, Array]:

@@ -12,7 +12,8 @@ import numpy as np
 from stimuli.motion import quaternions as quat
 from stimuli.motion.formats.bvh_hierarchy import AXES, Hierarchy, read_hierarchy
 from stimuli.motion.formats.numbers import parse_numbers
-from stimuli.motion.formats.source import Source, decode, fault, rate, shown
+from stimuli.motion.formats.source import Source, check_size, decode, fault, rate, shown
+from stimuli.motion.formats.words import decimal, whole
 from stimuli.motion.quaternions import Array
 
 _MOTION = re.compile(r"^[ \t]*MOTION[ \t]*\r?$", re.MULTILINE | re.IGNORECASE)
@@ -36,7 +37,8 @@ def read_bvh(path: Path, data: bytes, fps: float | None = None) -> Source:
             "The file is cut short, or holds a skeleton alone; export the motion with it.",
         )
     hierarchy = read_hierarchy(path, text[: start.start()])
-    values, frame_time, warnings = _read_motion(path, text, start.end(), hierarchy)
+    values, frame_rate, warnings = _read_motion(path, text, start.end(), hierarchy, fps)
+    check_size(path, len(values), len(hierarchy.names), frame_rate)
     rotations, root, strays, at_rest = _poses(hierarchy, values)
     return Source(
         format="bvh",
@@ -47,7 +49,7 @@ def read_bvh(path: Path, data: bytes, fps: float | None = None) -> Source:
         end_offsets=np.array(hierarchy.end_offsets).reshape(-1, 3),
         rotations=rotations,
         root=root,
-        fps=fps if fps is not None else frame_time,
+        fps=frame_rate,
         strays=strays,
         at_rest=at_rest,
         warnings=tuple(warnings),
@@ -55,53 +57,56 @@ def read_bvh(path: Path, data: bytes, fps: float | None = None) -> Source:
 
 
 def _read_motion(
-    path: Path, text: str, start: int, tree: Hierarchy
+    path: Path, text: str, start: int, tree: Hierarchy, fps: float | None
 ) -> tuple[Array, float, list[str]]:
     """The values (F, C) of all channels, the rate, and warnings."""
     first_line = text.count("\n", 0, start) + 1
     frames_match = _FRAMES.match(text, start)
-    if frames_match is None or not frames_match[1].isdigit():
+    expected = whole(frames_match[1]) if frames_match else None
+    if frames_match is None or expected is None:
         raise fault(
             path,
             "Frames: and their number",
-            shown(text[start : start + 60]),
+            _line_after(text, start),
             "Write the number of frames.",
             first_line + 1,
         )
     time_match = _FRAME_TIME.match(text, frames_match.end())
     time_line = text.count("\n", 0, frames_match.end()) + 2
-    try:
-        frame_time = float(time_match[1]) if time_match else None
-    except ValueError:
-        frame_time = None
+    frame_time = decimal(time_match[1]) if time_match else None
     if time_match is None or frame_time is None:
         raise fault(
             path,
             "Frame Time: and seconds",
-            shown(text[frames_match.end() : frames_match.end() + 60]),
+            _line_after(text, frames_match.end()),
             "Write the seconds between two frames, such as 0.0333333.",
             time_line,
         )
     body = time_match.end()
     width = sum(len(channels) for channels in tree.channels)
-    if int(frames_match[1]) < 1 or width == 0:
+    if expected < 1 or width == 0:
         raise fault(
             path,
             "at least one frame of at least one channel",
-            f"{shown(frames_match[1])} frames of {width} channels",
+            f"{expected} frames of {width} channels",
             "Export the motion again.",
             first_line + 1,
         )
+    frame_rate = fps if fps is not None else rate(path, frame_time, time_line)
     numbers = parse_numbers(path, text, body)
-    values, warnings = _frames(path, text, body, numbers, frames_match[1], width)
-    return values, rate(path, frame_time, time_line), warnings
+    values, warnings = _frames(path, text, body, numbers, expected, width)
+    return values, frame_rate, warnings
+
+
+def _line_after(text: str, start: int) -> str:
+    """The first line with anything in it from `start` on, as messages show it."""
+    return shown(text[start : start + 200].strip().partition("\n")[0])
 
 
 def _frames(
-    path: Path, text: str, body: int, numbers: Array, claimed: str, width: int
+    path: Path, text: str, body: int, numbers: Array, expected: int, width: int
 ) -> tuple[Array, list[str]]:
     """Numbers as (F, C); refuses a table that does not fit, naming its first odd line."""
-    expected = int(claimed) if len(claimed) < 12 else 10**12
     found, rest = divmod(numbers.size, width)
     if rest == 0 and found == expected:
         return numbers.reshape(found, width), []

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from stimuli.motion.formats.source import LARGEST_NUMBER, MOST_JOINTS, fault, shown
+from stimuli.motion.formats.source import MOST_JOINTS, fault, shown
+from stimuli.motion.formats.words import IN_BOUNDS, decimals
 from stimuli.motion.quaternions import Array
 
 AXES = "XYZ"
@@ -117,18 +118,19 @@ def _add_joint(
 def _set_property(tree: Hierarchy, joint: int, words: list[str], line: int) -> None:
     """OFFSET or CHANNELS of a joint, or the OFFSET of the End Site opened last (joint −1)."""
     if words[0].upper() == "OFFSET":
-        try:
-            offset = np.array([float(word) for word in words[1:]])
-        except ValueError:
-            offset = np.empty(0)
-        if offset.shape != (3,) or not np.all(np.abs(offset) < LARGEST_NUMBER):
+        numbers = decimals(words[1:])
+        if numbers is None or len(numbers) != 3:
             raise fault(
-                tree.path, "OFFSET and three numbers", shown(" ".join(words)), "Mend it.", line
+                tree.path,
+                f"OFFSET and three numbers {IN_BOUNDS}",
+                shown(" ".join(words)),
+                "Mend it.",
+                line,
             )
         if joint < 0:
-            tree.end_offsets[-1] = offset
+            tree.end_offsets[-1] = np.array(numbers)
         else:
-            tree.offsets[joint] = offset
+            tree.offsets[joint] = np.array(numbers)
         return
     matches = [_CHANNEL.fullmatch(word) for word in words[2:]]
     channels = [(m[2].lower(), AXES.index(m[1].upper())) for m in matches if m]

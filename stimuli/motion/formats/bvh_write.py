@@ -8,48 +8,34 @@ import numpy as np
 from stimuli.files import write_atomic
 from stimuli.motion import quaternions as quat
 from stimuli.motion.quaternions import Array
-from stimuli.motion.skeleton import Motion, Skeleton
+from stimuli.motion.skeleton import Motion, Skeleton, children_of, depth_first_order
 
 _PER_METRE = 100.0
+_LEAST = 1e-7  # degrees, printed with seven decimals
 
 
 def write_bvh(motion: Motion, path: Path) -> None:
     """Write a motion as BVH in centimetres: six channels for the root, three for each joint."""
-    joints = _depth_first(motion.skeleton)
+    joints = depth_first_order(motion.skeleton.parents)
     text = ["HIERARCHY", *_hierarchy(motion.skeleton), "MOTION", f"Frames: {len(motion)}"]
     text.append(f"Frame Time: {1 / motion.fps:.9f}")
     write_atomic(path, "\n".join(text) + "\n" + _frames(motion, joints))
 
 
 def _frames(motion: Motion, joints: list[int]) -> str:
-    angles = np.degrees(quat.to_zyx(motion.rotations[:, joints])).reshape(len(motion), -1)
-    values = np.concatenate([motion.root * _PER_METRE, angles], axis=1)
+    angles = np.degrees(quat.to_zyx(motion.rotations[:, joints]))
+    # Readers take leading frames whose root does not turn at all for rest poses that an exporter
+    # inserted, and drop them: a root at rest is written as turned by the least angle printed.
+    at_rest = np.all(np.abs(angles[:, 0]) < _LEAST, axis=-1)
+    angles[at_rest, 0, 0] = _LEAST
+    values = np.concatenate([motion.root * _PER_METRE, angles.reshape(len(motion), -1)], axis=1)
     row = " ".join(["%.7f"] * values.shape[1])
     return "".join(row % tuple(frame) + "\n" for frame in values.tolist())
 
 
-def _depth_first(skeleton: Skeleton) -> list[int]:
-    """Joints in the order in which a hierarchy is written."""
-    children = _children(skeleton)
-    order, waiting = [], [0]
-    while waiting:
-        joint = waiting.pop()
-        order.append(joint)
-        waiting += reversed(children[joint])
-    return order
-
-
-def _children(skeleton: Skeleton) -> list[list[int]]:
-    children: list[list[int]] = [[] for _ in skeleton.names]
-    for joint, parent in enumerate(skeleton.parents):
-        if parent >= 0:
-            children[parent].append(joint)
-    return children
-
-
 def _hierarchy(skeleton: Skeleton) -> list[str]:
     """The lines between HIERARCHY and MOTION."""
-    children = _children(skeleton)
+    children = children_of(skeleton.parents)
     lines: list[str] = []
     waiting: list[tuple[int, int]] = [(0, 0)]  # joint, depth; −1 − depth closes a brace
     while waiting:

@@ -14,13 +14,16 @@ import numpy as np
 
 from stimuli.motion import quaternions as quat
 from stimuli.motion.formats.source import (
-    LARGEST_NUMBER,
     Source,
+    check_size,
     decode,
+    depth_first,
     fault,
+    rate,
     rounded_rate,
     shown,
 )
+from stimuli.motion.formats.words import IN_BOUNDS, LARGEST_NUMBER
 from stimuli.motion.quaternions import Array
 from stimuli.motion.resample import sampled
 
@@ -77,7 +80,7 @@ def read_deepmimic(path: Path, data: bytes, fps: float | None = None) -> Source:
     rotations = quat.normalise(rotations)
     root = table[:, 1:4]
     rotations, root, own_rate = _even(path, table[:, 0], rotations, root)
-    return Source(
+    source = Source(
         format="deepmimic",
         names=NAMES,
         parents=PARENTS,
@@ -89,12 +92,13 @@ def read_deepmimic(path: Path, data: bytes, fps: float | None = None) -> Source:
         fps=fps if fps is not None else own_rate,
         loop=loop,
     )
+    return depth_first(source)
 
 
 def _table(path: Path, text: str) -> tuple[Array, bool]:
     """The frames (F, 44), and whether the clip is a loop."""
     try:
-        document = json.loads(text)
+        document = json.loads(text, parse_int=float)  # int() raises at thousands of digits
     except (ValueError, RecursionError) as error:
         raise fault(path, "JSON", shown(str(error), 80), _TODO) from None
     frames = document.get("Frames") if isinstance(document, dict) else None
@@ -109,12 +113,12 @@ def _table(path: Path, text: str) -> tuple[Array, bool]:
             f"{odd}: another character",
             _TODO,
         )
-    try:
-        table = np.array(frames, dtype=float)
-    except (TypeError, ValueError, OverflowError):
-        raise fault(path, "numbers in every frame", "something else", _TODO) from None
+    kinds = {type(value) for frame in frames for value in frame}
+    if odd_kinds := sorted(kind.__name__ for kind in kinds - {float}):
+        raise fault(path, "numbers in every frame", ", ".join(odd_kinds), _TODO)
+    table = np.array(frames)
     if not np.all(np.abs(table) < LARGEST_NUMBER):
-        raise fault(path, "finite numbers", "infinite or huge ones", _TODO)
+        raise fault(path, f"numbers {IN_BOUNDS}", "infinite or huge ones", _TODO)
     return table, document.get("Loop") == "wrap"
 
 
@@ -125,13 +129,14 @@ def _even(
     if len(durations) == 1:
         return rotations, root, 30.0
     steps = durations[:-1]
-    if not np.all((steps > 1e-5) & (steps < 1e3)):
-        raise fault(path, "frame durations above 0", f"{steps.min():g} seconds", _TODO)
+    for step in (steps.min(), steps.max()):
+        rate(path, float(step))
     typical = float(np.median(steps))
-    if np.allclose(steps, typical, rtol=1e-3):
-        return rotations, root, rounded_rate(1.0 / typical)
     times = np.concatenate([[0.0], np.cumsum(steps)])
-    wanted = np.arange(int(times[-1] / typical + 1e-6) + 1) * typical
-    places = np.interp(wanted, times, np.arange(len(times)))
-    rotations, root = sampled(rotations, root, places)
+    is_even = np.allclose(steps, typical, rtol=1e-3)
+    count = len(times) if is_even else int(times[-1] / typical + 1e-6) + 1
+    check_size(path, count, len(NAMES), 1.0 / typical)
+    if not is_even:
+        places = np.interp(np.arange(count) * typical, times, np.arange(len(times)))
+        rotations, root = sampled(rotations, root, places)
     return rotations, root, rounded_rate(1.0 / typical)

@@ -12,7 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
-from stimuli.motion.formats.source import LARGEST_NUMBER, fault, shown
+from stimuli.motion.formats.source import fault, shown
+from stimuli.motion.formats.words import IN_BOUNDS, LARGEST_NUMBER, decimal, is_decimal
 from stimuli.motion.quaternions import Array
 
 _TODO = "The file is damaged; export it again."
@@ -138,11 +139,8 @@ def _any_notation(path: Path, text: str, start: int) -> Array:
 def _culprit(path: Path, text: str, start: int) -> Exception:
     """The fault of the first word that is no usable number."""
     for word in re.finditer(r"\S+", text[start:]):
-        try:
-            usable = abs(float(word[0])) < LARGEST_NUMBER
-        except ValueError:
-            usable = False
-        if not usable:
+        if decimal(word[0]) is None:
             line = text.count("\n", 0, start + word.start()) + 1
-            return fault(path, "a number", shown(word[0]), _TODO, line)
+            wanted = f"a number {IN_BOUNDS}" if is_decimal(word[0]) else "a number"
+            return fault(path, wanted, shown(word[0]), _TODO, line)
     return fault(path, "plain decimal numbers", "another notation", _TODO)

@@ -1,16 +1,20 @@
 """What every reader returns, and how every reader complains."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
 from stimuli.errors import InputError
 from stimuli.motion.quaternions import Array
+from stimuli.motion.skeleton import depth_first_order
 
 MOST_JOINTS = 2_000
-LARGEST_NUMBER = 1e9
+MOST_FRAMES = 2_000_000  # 18 hours at 30 a second, 4 at 120
+MOST_ROTATIONS = 40_000_000  # joints times frames, of four numbers each: 1.3 GB
+SLOWEST, FASTEST = 1.0, 2_000.0  # frames a second of any capture of a whole body
+_SAME_RATE = 1e-3  # rates this near, in proportion, are one
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,12 +76,26 @@ def decode(path: Path, data: bytes) -> str:
         return data.decode("latin-1")
 
 
+def contents(path: Path) -> bytes:
+    """The bytes of a file; InputError when it cannot be read."""
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        why = error.strerror or "unreadable"
+        raise InputError(f"{path}: expected a file to read, found none ({why}).") from None
+
+
+def is_rate(fps: float) -> bool:
+    """Whether frames a second are those of a capture."""
+    return SLOWEST * (1 - _SAME_RATE) <= fps <= FASTEST * (1 + _SAME_RATE)
+
+
 def rate(path: Path, frame_time: float, line: int | None = None) -> float:
     """Frames a second of a frame time; within 0.1 % of an integer it is that integer."""
-    if not 1e-5 <= frame_time <= 1e3:
+    if not (frame_time > 0 and is_rate(1.0 / frame_time)):
         raise fault(
             path,
-            "a frame time in seconds above 0",
+            f"a frame time of {1 / FASTEST:g} to {1 / SLOWEST:g} seconds",
             f"{frame_time:g}",
             "Write the seconds between two frames, such as 0.0333333.",
             line,
@@ -88,4 +106,34 @@ def rate(path: Path, frame_time: float, line: int | None = None) -> float:
 def rounded_rate(fps: float) -> float:
     """A rate, or the integer that it is within 0.1 % of."""
     whole = round(fps)
-    return float(whole) if whole and abs(fps - whole) <= 1e-3 * whole else fps
+    return float(whole) if whole and abs(fps - whole) <= _SAME_RATE * whole else fps
+
+
+def check_size(path: Path, frames: int, joints: int, fps: float) -> None:
+    """InputError when a motion is longer or larger than any capture; to be asked before it is made.
+
+    A wrong rate multiplies the frames, and joints without channels cost a file nothing.
+    """
+    if frames > MOST_FRAMES or frames * joints > MOST_ROTATIONS:
+        raise fault(
+            path,
+            f"at most {MOST_FRAMES:,} frames and {MOST_ROTATIONS:,} joint rotations",
+            f"{frames:,} frames of {joints} joints at {fps:g} a second",
+            "Mend the rate where that is wrong, or cut the motion into shorter clips.",
+        )
+
+
+def depth_first(source: Source) -> Source:
+    """The same motion with its joints in the order in which BVH lists them."""
+    order = depth_first_order(source.parents)
+    place = np.argsort(order)
+    ends = np.argsort(place[source.end_parents], kind="stable")
+    return replace(
+        source,
+        names=tuple(source.names[joint] for joint in order),
+        parents=np.array([-1, *place[source.parents[order[1:]]]]),
+        offsets=source.offsets[order],
+        end_parents=place[source.end_parents][ends],
+        end_offsets=source.end_offsets[ends],
+        rotations=source.rotations[:, order],
+    )

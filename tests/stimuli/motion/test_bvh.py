@@ -8,11 +8,13 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from stimuli.errors import InputError
-from stimuli.motion import Motion, forward, load
+from stimuli.motion import Motion, forward, load, write_walker
 from stimuli.motion import quaternions as quat
 from stimuli.motion.formats.bvh import read_bvh
 from stimuli.motion.formats.bvh_write import write_bvh
 from stimuli.motion.formats.numbers import parse_numbers, scaled_mantissas
+from stimuli.motion.formats.words import decimal, whole
+from stimuli.motion.skeleton import depth_first_order
 
 PATH = Path("clip.bvh")
 HEAD = """HIERARCHY
@@ -61,6 +63,29 @@ def test_a_motion_written_reads_back_to_1e_4_degrees(bodies, tmp_path):
     order = order_of(back.motion, motion)
     assert np.allclose(back.motion.skeleton.offsets[order], motion.skeleton.offsets, atol=1e-8)
     assert len(back.motion.skeleton.end_offsets) == len(motion.skeleton.end_offsets)
+
+
+@pytest.mark.parametrize("rests", [1, 2, 3, 60])
+def test_a_root_at_rest_in_the_first_frames_is_no_rest_pose_of_an_exporter(bodies, tmp_path, rests):
+    motion = bodies.wandering(60, 1)
+    motion.rotations[:rests, 0] = quat.IDENTITY
+    write_bvh(motion, tmp_path / "out.bvh")
+    back = load(tmp_path / "out.bvh", scale=0.01)
+    assert len(back.motion) == 60
+    assert not back.warnings
+    assert largest_angle(motion, back.motion) < 1e-5
+
+
+def test_what_was_read_written_and_read_has_its_source_s_hierarchy(tmp_path, motions):
+    walker = write_walker(tmp_path)
+    for path in (walker, motions / "cmu_asfamc" / "16_41.amc", motions / "cmu_bvh" / "05_13.bvh"):
+        skeleton = load(path).motion.skeleton
+        write_bvh(load(path).motion, tmp_path / "out.bvh")
+        back = load(tmp_path / "out.bvh", scale=0.01, up="Y").motion.skeleton
+        assert back.same_hierarchy(skeleton), path
+        assert depth_first_order(skeleton.parents) == list(range(len(skeleton)))
+        assert np.array_equal(back.end_parents, skeleton.end_parents)
+        assert np.allclose(back.end_offsets, skeleton.end_offsets, atol=1e-8)
 
 
 @pytest.mark.parametrize(
@@ -119,15 +144,28 @@ def test_channels_apply_in_their_own_order_and_positions_replace_the_offset():
         (("Frames: 2", "Frames: " + "9" * 400), "frames"),
         (("Frames: 2", "Frames: many"), "Frames:"),
         (("Frames: 2", "Frames: 0"), "at least one frame"),
-        (("0.033333", "nan"), "frame time"),
+        (("Frames: 2", "Frames: " + "9" * 5000), "Frames:"),
+        (("Frames: 2", "Frames: ²"), "Frames:"),
+        (("Frames: 2", "Frames: 1_0"), "Frames:"),
+        (("0.033333", "nan"), "Frame Time"),
+        (("0.033333", "0.0_3"), "Frame Time"),
+        (("0.033333", "٠.٠٣"), "Frame Time"),
+        (("0.033333", "900"), "0.0005 to 1 seconds, found 900"),
+        (("0.033333", "1e-9"), "0.0005 to 1 seconds"),
         (("0.033333", "-1"), "frame time"),
         (("90", "nan"), "nan"),
         (("90", "1e999"), "1e999"),
         (("90", "0x10"), "0x10"),
         (("90", "ninety"), "clip.bvh:19"),
+        (("90", "1e9"), "a number below 1e9, found '1e9'"),
+        (("90", "9_0"), "found '9_0'"),
+        (("90", "٩٠"), "found '٩٠'"),
         (("CHANNELS 3", "CHANNELS x"), "CHANNELS"),
         (("Xrotation Yrotation\n  J", "Xrotation Xrotation\n  J"), "CHANNELS"),
         (("OFFSET 0 -40 0", "OFFSET 0 -40"), "OFFSET"),
+        (("OFFSET 0 -40 0", "OFFSET 0 -4_0 0"), "OFFSET"),
+        (("OFFSET 0 -40 0", "OFFSET 0 ١ 0"), "OFFSET"),
+        (("OFFSET 0 -40 0", "OFFSET 0 1e9 0"), "below 1e9"),
         (("JOINT Knee\n", ""), "out of place"),
         (("ROOT", "TRUNK"), "out of place"),
     ],
@@ -143,6 +181,31 @@ def test_deep_and_wide_hierarchies_are_refused_quickly():
     deep = "HIERARCHY\nROOT a\n{\n" + "JOINT b\n{\nOFFSET 0 1 0\n" * 100_000 + "MOTION\n"
     with pytest.raises(InputError, match="2000"):
         read(deep)
+
+
+def test_a_rate_that_is_given_rules_over_the_frame_time():
+    text = TWO.replace("0.033333", "900")
+    assert read_bvh(PATH, text.encode(), 60.0).fps == 60.0
+
+
+def test_joints_without_channels_may_not_fill_the_memory():
+    joints = "".join(f"JOINT j{k}\n{{\nOFFSET 0 1 0\n}}\n" for k in range(1999))
+    head = "HIERARCHY\nROOT r\n{\nOFFSET 0 0 0\nCHANNELS 1 Zrotation\n" + joints + "}\nMOTION\n"
+    text = head + "Frames: 30000\nFrame Time: 0.01\n" + "1\n" * 30_000
+    with pytest.raises(InputError, match="found 30,000 frames of 2000 joints at 100 a second"):
+        read(text)
+
+
+@given(st.text(max_size=12))
+def test_a_word_is_a_number_only_in_plain_notation(word):
+    number, count = decimal(word), whole(word)
+    plain = word.isascii() and "_" not in word and word == word.strip()
+    try:
+        expected = float(word)
+    except ValueError:
+        expected = np.nan
+    assert number == (expected if plain and abs(expected) < 1e9 else None)
+    assert count == (int(word) if word.isascii() and word.isdigit() else None)
 
 
 @settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow])

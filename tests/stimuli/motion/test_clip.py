@@ -1,11 +1,14 @@
 """Units, axes, rest poses, rates, roles, overrides: what a clip is brought to."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from stimuli.errors import InputError
 from stimuli.motion import forward, load
 from stimuli.motion import quaternions as quat
+from stimuli.motion.formats.source import check_size
 from stimuli.motion.resample import resampled
 from stimuli.motion.roles import ROLES, resolve_roles
 
@@ -115,6 +118,7 @@ def test_up_to_three_inserted_rest_poses_are_dropped(clip, rest, kept):
     found = clip(bvh(frames[:7]))
     assert found.frames == 7
     assert len(found.motion) == kept
+    assert found.seconds == (kept - 1) / 30
     assert bool(found.warnings) == (kept < 7)
 
 
@@ -212,7 +216,7 @@ def test_overrides_name_joints_and_settings(clip, tmp_path):
 
 @pytest.mark.parametrize(
     ("text", "told"),
-    [('[roles]\nnose = "x"', "nose"), ('[roles]\nleft_hip = "x"', "not there: x"),
+    [('[roles]\nnose = "x"', "nose"), ('[clips.clip.roles]\nleft_hip = "x"', "not there: x"),
      ("colour = 1", "colour"), ("roles = 3", "roles"), ("fps = 0", "fps"), ("= 1", "TOML"),
      ('up = "X"', "up")],
 )  # fmt: skip
@@ -220,6 +224,95 @@ def test_faults_of_overrides_are_named(clip, tmp_path, text, told):
     (tmp_path / "overrides.toml").write_text(text)
     with pytest.raises(InputError, match=told):
         clip(bvh(standing()))
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("[roles]\nhead = 3", "roles.head: expected the name of a joint, found 3"),
+        (
+            '[roles]\nhead = ["Head"]',
+            "roles.head: expected the name of a joint, found \\['Head'\\]",
+        ),
+        ("scale = [1]", "scale: expected auto or metres"),
+        ("scale = true", "scale: .* found True"),
+        ('scale = "0.01"', "scale: .* found '0.01'"),
+        ("fps = true", "fps: .* found True"),
+        ("fps = 0.3", "fps: .* 1 to 2000, found 0.3"),
+        ("fps = inf", "fps: .* found inf"),
+        ("up = 3", "up: expected auto or Y or Z, found 3"),
+        ("clips = 3", "clips: expected a table"),
+        ("[clips]\nclip = 3", "clips.clip: expected a table"),
+        ("[clips.other]\nup = 3", "clips.other.up"),
+        ("[clips.clip.bvh]\nup = 'Y'", "clips.clip.bvh: no such setting"),
+        (f"fps = {'9' * 5000}", "TOML"),
+        ("fps = " + "[" * 5000, "TOML"),
+    ],
+)
+def test_settings_of_another_kind_are_refused_with_file_and_key(clip, tmp_path, text, told):
+    (tmp_path / "overrides.toml").write_text(text)
+    with pytest.raises(InputError, match=rf"overrides\.toml: .*{told}") as caught:
+        clip(bvh(standing()))
+    assert len(str(caught.value).splitlines()) <= 2
+
+
+def test_all_faults_of_overrides_are_told_at_once(clip, tmp_path):
+    (tmp_path / "overrides.toml").write_text(
+        "scale = true\nup = 3\nhue = 1\n[roles]\nhead = 3\n[clips.other]\nfps = true\n"
+    )
+    with pytest.raises(InputError) as caught:
+        clip(bvh(standing()))
+    for key in ("scale", "up", "hue", "roles.head", "clips.other.fps"):
+        assert f"{key}: " in str(caught.value)
+
+
+def test_settings_of_one_clip_rule_over_the_general_ones(clip, tmp_path):
+    (tmp_path / "overrides.toml").write_text(
+        "scale = 0.02\nfps = 60\n[roles]\nhead = 'Neck'\n"
+        "[clips.one]\nscale = 0.03\nfps = 'auto'\n[clips.one.roles]\nhead = 'Head'\n"
+        "[clips.'one.bvh']\nscale = 0.04\n[clips.two]\nup = 'Z'\n"
+    )
+    one, two = (clip(bvh(standing()), f"{name}.bvh") for name in ("one", "two"))
+    assert (one.scale, one.fps, one.up) == (0.04, 30, "Y")
+    assert (two.scale, two.fps, two.up) == (0.02, 60, "Z")
+    head = [c.motion.skeleton.names[c.motion.skeleton.roles["head"]] for c in (one, two)]
+    assert head == ["Head", "Neck"]
+    assert clip(bvh(standing()), "one.bvh", scale=0.05).scale == 0.05
+    given = {"scale": 0.06, "clips": {"one": {"scale": 0.07}}}
+    assert clip(bvh(standing()), "one.bvh", overrides=given).scale == 0.07
+
+
+def test_a_usual_role_whose_joint_a_clip_lacks_is_told_from_the_names(clip, tmp_path):
+    text = "[roles]\nhead = 'Skull'\nleft_hip = 'LeftUpLeg'\n"
+    (tmp_path / "overrides.toml").write_text(text)
+    found = clip(bvh(standing()))
+    assert found.motion.skeleton.names[found.motion.skeleton.roles["head"]] == "Head"
+    assert found.warnings == (
+        "no joint Skull (head) of overrides.toml here: told from the names instead",
+    )
+    assert not clip(bvh(standing()).replace("JOINT Head", "JOINT Skull"), "b.bvh").warnings
+    for given in (tmp_path / "overrides.toml", {"roles": {"head": "Skull"}}):
+        with pytest.raises(InputError, match="not there: Skull"):
+            clip(bvh(standing()), overrides=given)
+
+
+def test_a_table_of_a_clip_that_is_not_there_is_warned_of(clip, tmp_path):
+    (tmp_path / "overrides.toml").write_text("[clips.clap]\nscale = 0.02\n[clips.clip]\nfps = 60\n")
+    found = clip(bvh(standing()))
+    assert found.fps == 60
+    assert found.warnings == ("overrides.toml names clips that are not there: clap",)
+
+
+def test_hours_of_motion_are_read_and_days_refused(clip):
+    with pytest.raises(InputError, match=r"clip\.bvh.* at most 2,000,000 frames .* at 30 a second"):
+        clip(bvh([[0, 88, 0, 1, 0, 0]] * 70_000), fps=1)
+    check_size(Path("c.bvh"), 3 * 3600 * 120, 30, 120.0)
+
+
+@pytest.mark.parametrize("fps", [0.5, 20_000, float("nan"), True, "fast"])
+def test_no_rate_beyond_a_capture_can_be_given(clip, fps):
+    with pytest.raises(InputError, match=r"clip\.bvh: fps: expected"):
+        clip(bvh(standing()), fps=fps)
 
 
 def test_what_is_there_of_a_clip_is_told(clip):

@@ -1,6 +1,7 @@
 """Acclaim and DeepMimic, and what is refused with a way out."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +11,8 @@ from hypothesis import strategies as st
 from stimuli.errors import InputError
 from stimuli.motion import forward, load
 from stimuli.motion import quaternions as quat
+from stimuli.motion.formats import acclaim_poses
+from stimuli.motion.formats.acclaim_skeleton import read_asf
 from stimuli.motion.formats.deepmimic import read_deepmimic
 
 ASF = """:version 1.10
@@ -120,12 +123,85 @@ def test_any_rate_can_be_given_and_120_is_taken_otherwise(acclaim):
         (("", ""), ("shin 45\n2", "shin 45\n3"), "frame 2"),
         (("", ""), ("thigh 10 20 30", "thigh 10 20"), "3 numbers for thigh"),
         (("", ""), ("shin 45", "shin nan"), "numbers"),
+        (("", ""), ("shin 45", "shin 4_5"), "numbers"),
+        (("", ""), ("shin 45", "shin ٤٥"), "numbers"),
+        (("", ""), ("shin 45", "shin 1e9"), "below 1e9"),
+        (("", ""), ("thigh 10 20 30\nshin 45", "thigh 10 20\nshin 45 30"), "3 numbers for thigh"),
+        (("", ""), ("45\n2\n", "45\n²\n"), "frame 2, found frame '²'"),
+        (("", ""), ("45\n2\n", f"45\n{'9' * 5000}\n"), "frame 2, found frame '999"),
+        (("", ""), ("DEGREES\n1\n", f"DEGREES\n{'9' * 5000}\n"), "a frame number"),
+        (("length 2.0", "length 2_0"), ("", ""), "numbers"),
+        (("axis 0 0 30", "axis 0 0 ٣"), ("", ""), "numbers"),
         (("", ""), ("1\nroot", "root"), "a frame number"),
     ],
 )
 def test_faults_of_acclaim_are_named(acclaim, asf, amc, told):
     with pytest.raises(InputError, match=told):
         load(acclaim(ASF.replace(*asf, 1), AMC.replace(*amc, 1)))
+
+
+def poses_alike(amc: str, name: str = "07_01") -> bool:
+    """Whether an AMC is read as a table, with what it gives line by line."""
+    skeleton = read_asf(Path("07.asf"), ASF)
+    widths = {bone.name: len(bone.freedoms) for bone in skeleton.bones}
+    table = acclaim_poses._as_table(Path(name), amc, widths, skeleton.degrees)
+    if table is None:
+        return False
+    lines = acclaim_poses._line_by_line(Path(name), amc, widths, skeleton.degrees)
+    assert table.degrees == lines.degrees
+    assert list(table.values) == list(lines.values)
+    assert all(np.array_equal(table.values[bone], lines.values[bone]) for bone in lines.values)
+    return True
+
+
+@pytest.mark.parametrize(
+    ("change", "regular"),
+    [
+        (("", ""), True),
+        (("\n", "\r\n"), True),
+        ((":DEGREES", ":RADIANS\n# of Segue\n"), True),
+        (("45", "4.5e-014"), True),
+        (("45\n2\n", "-.45\n2 \n"), True),
+        (("thigh ", "thigh\t"), True),
+        (("45\n2\n", "45\n\n2\n"), False),
+        (("45\n2\nroot 1 5 2 0 90 0\nthigh 10 20 30\nshin 45",
+          "45\n2\nshin 45\nroot 1 5 2 0 90 0\nthigh 10 20 30"), False),
+        (("45\n2\n", "45\n# between\n2\n"), False),
+        (("45\n2\n", "45\n:RADIANS\n2\n"), False),
+        (("1\nroot", "01\nroot"), False),
+        ((" 30\n", " 30\n "), False),
+    ],
+)  # fmt: skip
+def test_frames_laid_out_alike_are_read_as_one_table(acclaim, change, regular):
+    amc = AMC.replace(*change)
+    assert poses_alike(amc) == regular
+    (acclaim().parent / "07_01.amc").write_text(amc)
+    assert len(load(acclaim().parent / "07_01.amc").motion) == 1
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.data())
+def test_a_table_of_poses_is_what_its_lines_say(data):
+    amc = AMC
+    for _ in range(data.draw(st.integers(1, 3))):
+        start = data.draw(st.integers(0, len(amc)))
+        end = data.draw(st.integers(start, min(start + 3, len(amc))))
+        amc = amc[:start] + data.draw(st.text("012 .-e\n\t\r\x0b\x1c#:n", max_size=4)) + amc[end:]
+    poses_alike(amc)
+
+
+def test_captured_acclaim_is_read_as_tables(motions):
+    for path in sorted((motions / "cmu_asfamc").glob("*.amc")):
+        skeleton = read_asf(path, (path.parent / f"{path.stem[:2]}.asf").read_text())
+        widths = {bone.name: len(bone.freedoms) for bone in skeleton.bones}
+        assert acclaim_poses._as_table(path, path.read_text(), widths, True) is not None, path
+
+
+def test_a_skeleton_that_cannot_be_read_is_a_refusal(tmp_path):
+    (tmp_path / "07.asf").mkdir()
+    (tmp_path / "07_01.amc").write_text(AMC)
+    with pytest.raises(InputError, match=r"07\.asf: expected a file to read"):
+        load(tmp_path / "07_01.amc")
 
 
 def test_an_amc_without_its_skeleton_says_which_is_missing(tmp_path):
@@ -179,8 +255,6 @@ def frame(duration: float = 1 / 30, **changes: float) -> list[float]:
 
 
 def read(document: object):
-    from pathlib import Path
-
     return read_deepmimic(Path("clip.json"), json.dumps(document).encode())
 
 
@@ -189,7 +263,8 @@ def test_hinges_turn_about_z_and_the_character_faces_x():
     assert source.fps == 30
     knee = source.names.index("right_knee")
     assert np.allclose(source.rotations[0, knee], quat.about("Z", -0.5))
-    assert source.names[8] == "right_wrist"
+    assert source.names[:4] == ("root", "chest", "neck", "right_shoulder")
+    assert source.names[source.parents[source.names.index("right_wrist")]] == "right_elbow"
     assert not source.loop
 
 
@@ -208,8 +283,15 @@ def test_durations_that_vary_are_resampled_evenly():
         ({"Frames": [[0.1] * 20]}, "20"),
         ({"Frames": [frame(), frame()[:-1]]}, "43"),
         ({"Frames": [["a"] * 44]}, "numbers"),
+        ({"Frames": [["1"] * 44]}, "found str"),
+        ({"Frames": [[True] * 44]}, "found bool"),
+        ({"Frames": [[[1]] * 44]}, "found list"),
+        ({"Frames": [frame(_2=10**400), frame()]}, "below 1e9"),
+        ({"Frames": [frame(900.0), frame()]}, "0.0005 to 1 seconds, found 900"),
+        ({"Frames": [frame(step) for step in (*[5e-4] * 6, 900.0, 5e-4)]}, "found 900"),
+        ({"Frames": [frame(step) for step in [5e-4] * 2001 + [1.0] * 2000]}, "at most"),
         ({"Frames": [frame(_4=0.0), frame()]}, "quaternions"),
-        ({"Frames": [frame(-1.0), frame()]}, "durations"),
+        ({"Frames": [frame(-1.0), frame()]}, "frame time"),
         ({"Frames": [frame(_2=1e300), frame()]}, "huge"),
     ],
 )

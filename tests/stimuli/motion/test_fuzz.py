@@ -1,13 +1,16 @@
 """A fuzz run over the readers: damaged copies of real files are motions or refusals."""
 
+import re
 import resource
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from stimuli.errors import InputError
-from stimuli.motion import load
+from stimuli.motion import load, write_walker
+from stimuli.motion.formats.bvh_write import write_bvh
 
 FILES = ("messy/base.bvh", "messy/ok.amc", "messy/pos_all_joints_absolute.bvh",
          "messy/real_walk01_24fps.bvh", "accad_male1_bvh/Male1_C03_Run.bvh")  # fmt: skip
@@ -40,19 +43,31 @@ def damaged(data: bytes, rng: np.random.Generator) -> bytes:
     return data
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", FILES)
-def test_damaged_files_never_hang_never_grow_never_give_nan(motions: Path, tmp_path, name):
-    source = motions / name
-    whole = source.read_bytes()
-    for asf in source.parent.glob("ok.asf"):
-        (tmp_path / asf.name).write_bytes(asf.read_bytes())
+# what scales a motion: Frame Time, Frames, frame numbers of AMC, durations of DeepMimic
+SCALES = re.compile(rb"(?<=Time:)\s*\S+|(?<=Frames:)\s*\S+|^\d+\r?$|(?<=\[)[0-9.]+", re.MULTILINE)
+NUMBERS = [b"900", b"1", b"0.9", b"5e-4", b"1e-5", b"1e3", b"1e9", b"1e400", b"0", b"-1", b"nan",
+           b"1_000", b"9" * 5000, b"0." + b"3" * 5000, "²".encode(), "١".encode(), b"true",
+           b"[1]"]  # fmt: skip
+
+
+def rescaled(data: bytes, rng: np.random.Generator) -> bytes:
+    """Other rates, durations or numbers of frames, of two sizes, in one place or in many."""
+    numbers = [NUMBERS[k] for k in rng.integers(len(NUMBERS), size=2)]
+    share = rng.choice([1.0 / len(SCALES.findall(data)), 0.5, 1.0])
+
+    def other(match: re.Match[bytes]) -> bytes:
+        return numbers[int(rng.integers(2))] if rng.random() < share else match[0]
+
+    return SCALES.sub(other, data)
+
+
+def fuzz(whole: bytes, path: Path, damage: Callable, rounds: int) -> None:
+    """Loads damaged copies: each is a motion or a refusal, and asks for no more than memory has."""
     rng = np.random.default_rng(1)
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    path = tmp_path / source.name
     refusals: list[str] = []
-    for _ in range(ROUNDS):
-        path.write_bytes(damaged(whole, rng))
+    for _ in range(rounds):
+        path.write_bytes(damage(whole, rng))
         try:
             motion = load(path).motion
         except InputError as error:
@@ -60,6 +75,29 @@ def test_damaged_files_never_hang_never_grow_never_give_nan(motions: Path, tmp_p
             continue
         assert np.all(np.isfinite(motion.rotations))
         assert np.all(np.isfinite(motion.root))
-    assert 0 < len(refusals) < ROUNDS
+    assert 0 < len(refusals) < rounds
     assert all(len(message.splitlines()) <= 2 for message in refusals)
+    assert all(len(message) < 2_000 for message in refusals)
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 200_000
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("damage", [damaged, rescaled])
+@pytest.mark.parametrize("name", FILES)
+def test_damaged_files_never_hang_never_grow_never_give_nan(motions: Path, tmp_path, name, damage):
+    source = motions / name
+    for asf in source.parent.glob("ok.asf"):
+        (tmp_path / asf.name).write_bytes(asf.read_bytes())
+    fuzz(source.read_bytes(), tmp_path / source.name, damage, ROUNDS)
+
+
+@pytest.mark.parametrize("damage", [damaged, rescaled])
+def test_damaged_clips_of_deepmimic_neither(tmp_path, damage):
+    path = write_walker(tmp_path)
+    fuzz(path.read_bytes(), path, damage, 60)
+
+
+def test_rates_and_counts_of_any_size_neither(bodies, tmp_path):
+    path = tmp_path / "clip.bvh"
+    write_bvh(bodies.wandering(20, 1), path)
+    fuzz(path.read_bytes(), path, rescaled, 60)

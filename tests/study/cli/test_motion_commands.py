@@ -160,3 +160,35 @@ def test_bad_input_is_one_or_two_lines_and_exit_code_2(call, words, told):
     assert told in err
     lines = [line for line in err.splitlines() if not line.startswith("/")]
     assert len(lines) <= 2
+
+
+@pytest.mark.parametrize("frame", ["²", "١", "1_0", "-1", "9" * 5000])
+def test_a_frame_is_a_whole_number_in_plain_digits(call, frame):
+    code, out, err = call("length", f"generated-walker-0:{frame}", "generated-walker-1:2")
+    assert (code, out) == (2, "")
+    assert "CLIP:FRAME" in err
+    assert len(err.splitlines()) == 1
+
+
+def test_one_bad_file_never_aborts_the_list(call, library):
+    bvh = "HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\nCHANNELS 1 Zrotation\n}\nMOTION\n"
+    (library / "digits.bvh").write_text(f"{bvh}Frames: {'9' * 5000}\nFrame Time: 0.03\n1\n")
+    (library / "power.bvh").write_text(f"{bvh}Frames: ²\nFrame Time: 0.03\n1\n")
+    (library / "slow.bvh").write_text(f"{bvh}Frames: 2\nFrame Time: 900\n1\n1\n")
+    (library / "deep.json").write_text(json.dumps({"Frames": [[[1]] * 44]}))
+    (library / "07.asf").mkdir()
+    (library / "07_01.amc").write_text("1\nroot 0\n")
+    code, out, err = call("motions", "--json")
+    rows = {row["name"]: row for row in json.loads(out)}
+    assert code == 0
+    for name in ("digits", "power", "slow", "deep", "07_01"):
+        assert "expected" in rows[name]["error"]
+        assert rows[name]["error"] in err
+    assert "error" not in rows["generated-walker-1"]
+
+
+def test_a_fault_of_overrides_is_told_once(call, library):
+    (library / "overrides.toml").write_text("scale = true\n")
+    code, _, err = call("motions")
+    assert code == 2
+    assert err.count("overrides.toml: scale: expected") == 1
