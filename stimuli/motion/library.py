@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from functools import cached_property
 from pathlib import Path
 
@@ -42,8 +43,9 @@ class Library:
     def candidates(self, name: str | Path) -> list[Path]:
         """All clips that a name can mean: the file of that path, else clips called so."""
         path = Path(name)
-        if path.is_file():
-            return [path]
+        with suppress(OSError):  # a name longer than any file's
+            if path.is_file():
+                return [path]
         return [p for p in self._paths if _is_called(p, path) and p.suffix not in _NEVER_FOUND]
 
     def find(self, name: str | Path) -> Path:

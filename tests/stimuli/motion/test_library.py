@@ -173,3 +173,8 @@ def test_what_is_no_loop_or_needs_no_more_stays_as_it_is(bodies):
     loop = walker(0)
     assert unroll(loop, 0, 0) == (loop, 0)
     assert not loop[3:9].loop
+
+
+def test_a_name_longer_than_any_file_s_is_not_found(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="found none"):
+        Library([tmp_path]).find("a" * 300)
