@@ -6,11 +6,10 @@ from stimuli.errors import InputError
 from stimuli.motion.skeleton import Motion
 from stimuli.transition.distance import cost_matrix
 from stimuli.transition.methods import Transition, transition
-from stimuli.transition.points import cheapest
+from stimuli.transition.points import TRIVIAL, cheapest
 from stimuli.transition.weights import Weights
 
 CLIP_FRAMES = 180  # six seconds, the cut in their middle
-TRIVIAL = 15  # frames around one in which a motion goes on into itself
 
 
 def best_cut(

@@ -19,9 +19,9 @@ class Point:
     place: int  # of that frame in `motion`
 
 
-def add_point_arguments(parser: argparse.ArgumentParser) -> None:
+def add_point_arguments(parser: argparse.ArgumentParser, remark: str = "") -> None:
     """A:i and B:j, the frames where a transition leaves one clip and enters another."""
-    parser.add_argument("from_point", metavar="A:i", help="clip and frame to leave")
+    parser.add_argument("from_point", metavar="A:i", help=f"clip and frame to leave{remark}")
     parser.add_argument("to_point", metavar="B:j", help="clip and frame to enter")
 
 

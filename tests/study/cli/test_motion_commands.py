@@ -6,7 +6,9 @@ import json
 import numpy as np
 import pytest
 
-from stimuli.motion import load, write_walker
+from stimuli.motion import Motion, load, unroll, walker, write_walker
+from stimuli.motion.formats.bvh_write import write_bvh
+from stimuli.transition import cost_matrix
 from study.cli import main
 
 
@@ -192,3 +194,18 @@ def test_a_fault_of_overrides_is_told_once(call, library):
     code, _, err = call("motions")
     assert code == 2
     assert err.count("overrides.toml: scale: expected") == 1
+
+
+def test_a_cut_without_frames_is_the_cheapest_with_room(call, tmp_path):
+    long = unroll(walker(0), 0, 300)[0]
+    for name in ("one", "other"):
+        write_bvh(Motion(long.skeleton, long.rotations, long.root), tmp_path / f"{name}.bvh")
+    out = tmp_path / "cut.bvh"
+    words = ("blend", "one", "other", "--method", "cut", "--motions", tmp_path, "--json")
+    told = json.loads(call(*words, "--weights", "lee", "--out", out)[1])
+    cost = cost_matrix(*(load(tmp_path / f"{n}.bvh").motion for n in ("one", "other")), "lee")
+    room = cost[90:, : cost.shape[1] - 90]
+    i, j = np.unravel_index(np.argmin(room), room.shape)
+    assert (told["from"], told["to"]) == (i + 90, j)
+    assert told["total_frames"] == i + 91 + cost.shape[1] - j - 1
+    assert call("blend", "one", "other:7", "--method", "cut", "--out", out)[0] == 2
