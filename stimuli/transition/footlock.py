@@ -82,7 +82,7 @@ def _moved(skeleton: Skeleton, rotations: Array, pose: LegPose, shift: Array, dr
     """Local rotations (N, J, 4): the body sunk, the ankles moved, the feet turned as they were."""
     legs = legs_of(skeleton)
     hips, knees, ankles = legs.joints
-    hinge = bend_axis(pose.knee - pose.hip, pose.ankle - pose.knee, _usual_hinge(pose))
+    hinge = bend_axis(pose.knee - pose.hip, pose.ankle - pose.knee, pose.thigh)
     # a body that sinks takes its ankles along, which are brought back up
     target = pose.ankle + shift
     target[..., 1] += drop[:, None]
@@ -104,12 +104,3 @@ def _through(rotations: Array, links: np.ndarray, above: Array) -> Array:
     for joints in links:
         above = quat.multiply(above, rotations[:, joints])
     return above
-
-
-def _usual_hinge(pose: LegPose) -> Array:
-    """The axes (N, 2, 3) about which the knees bend, told by the frames where they bend most."""
-    axis = quat.cross(pose.knee - pose.hip, pose.ankle - pose.knee)
-    in_thigh = quat.rotate(quat.inverse(pose.thigh), axis).sum(axis=0)
-    size = quat.norm(in_thigh)[..., None]
-    usual = np.where(size > 0, in_thigh / np.where(size > 0, size, 1.0), [1.0, 0.0, 0.0])
-    return quat.rotate(pose.thigh, usual)

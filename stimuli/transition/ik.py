@@ -39,13 +39,21 @@ def between(start: Array, end: Array) -> Array:
     )
 
 
-def bend_axis(thigh: Array, shank: Array, usual: Array) -> Array:
-    """Unit axis (N, 3) about which the shank bends from the thigh; near straight, the usual one."""
+def bend_axis(thigh: Array, shank: Array, orientation: Array) -> Array:
+    """Unit axes (N, ..., 3) about which shanks bend from thighs; near straight, the usual ones.
+
+    Thighs and shanks (N, ..., 3) over N frames. The usual axis is one in the frame of the thigh,
+    whose `orientation` (N, ..., 4) is given: the mean over the frames, most bent counting most.
+    """
     axis = quat.cross(thigh, shank)
-    size = quat.norm(thigh) * quat.norm(shank)
-    trusted = np.clip((quat.norm(axis) / size - 0.02) / 0.1, 0.0, 1.0)[..., None]
-    length = np.maximum(quat.norm(axis)[..., None], 1e-12)
-    mixed = trusted * axis / length + (1 - trusted) * usual
+    in_thigh = quat.rotate(quat.inverse(orientation), axis).sum(axis=0)
+    size = quat.norm(in_thigh)[..., None]
+    usual = np.where(size > 0, in_thigh / np.where(size > 0, size, 1.0), [1.0, 0.0, 0.0])
+    bend = quat.norm(axis)
+    sine = bend / (quat.norm(thigh) * quat.norm(shank))
+    trusted = np.clip((sine - 0.02) / 0.1, 0.0, 1.0)[..., None]
+    own = axis / np.maximum(bend[..., None], 1e-12)
+    mixed = trusted * own + (1 - trusted) * quat.rotate(orientation, usual)
     return np.asarray(mixed / np.maximum(quat.norm(mixed)[..., None], 1e-12))
 
 
