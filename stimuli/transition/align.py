@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from stimuli.errors import InputError
 from stimuli.motion import quaternions as quat
 from stimuli.motion.kinematics import heading, placed
 from stimuli.motion.quaternions import Array
@@ -9,9 +10,15 @@ from stimuli.motion.skeleton import Motion, Skeleton
 
 
 def leg_length(skeleton: Skeleton) -> float:
-    """Length of thigh and shank, the mean of both legs, metres."""
+    """Length of thigh and shank, the mean of both legs, metres; InputError if there is none."""
     links = skeleton.role("left_knee", "left_ankle", "right_knee", "right_ankle")
-    return float(np.linalg.norm(skeleton.offsets[links], axis=-1).sum() / 2)
+    length = float(np.linalg.norm(skeleton.offsets[links], axis=-1).sum() / 2)
+    if length <= 0:
+        raise InputError(
+            f"skeleton of {skeleton.names[0]}: expected legs to scale a motion by, found none with "
+            "any length.\nName other joints in an overrides file."
+        )
+    return length
 
 
 def on_skeleton(motion: Motion, skeleton: Skeleton) -> Motion:

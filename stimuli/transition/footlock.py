@@ -10,13 +10,11 @@ import numpy as np
 from stimuli.motion import quaternions as quat
 from stimuli.motion.quaternions import Array
 from stimuli.motion.skeleton import Motion, Skeleton
-from stimuli.transition.hold import EASE, SETTLE, corrections
+from stimuli.transition.hold import EASE, SETTLE, corrections, touching
 from stimuli.transition.ik import bend_axis, reach_out
 from stimuli.transition.plants import SIDES, Contacts, LegPose, contacts, leg_pose, legs_of, runs
-from stimuli.transition.sink import sinking
+from stimuli.transition.reach import SINKING, reached, sinking
 from stimuli.transition.window import Window
-
-_BEYOND = 45  # frames after the blend within which a plant must end
 
 
 def lock_feet(motion: Motion, a: Motion, b: Motion, window: Window) -> Motion:
@@ -25,21 +23,28 @@ def lock_feet(motion: Motion, a: Motion, b: Motion, window: Window) -> Motion:
     Frames more than an easing away from plants that the blend touches are left as they are.
     """
     first = max(window.first - EASE, 0)
-    rows = slice(first, min(window.last + _BEYOND + SETTLE, len(motion)))
-    carried = _carried(contacts(a), contacts(b), window, rows)
+    carried = _carried(contacts(a), contacts(b), window, slice(first, len(motion)))
     blend = (window.first - first, window.last - first)
     plants = [runs(carried.stands[:, side]) for side in range(len(SIDES))]
-    ends = [q for of_side in plants for p, q in of_side if q >= blend[0] - 1 and p <= blend[1] + 1]
-    if not ends:
+    lasts = [last for of_side in plants for _, last in touching(of_side, *blend)]
+    if not lasts:
         return motion
-    rows = slice(first, min(first + max(ends) + SETTLE + 1, rows.stop))
+    rows = slice(first, min(first + max(lasts) + SETTLE + SINKING + 1, len(motion)))
     pose = leg_pose(motion, rows)
     steps = _steps(pose, carried.on_toe[: len(pose.toe)])
-    to_end = rows.stop == len(motion)
-    shift = np.stack(
-        [corrections(steps[:, k], plants[k], *blend, to_end) for k in range(len(SIDES))], axis=1
-    )
-    drop = sinking(pose.hip, pose.knee, pose.ankle, shift)
+    ends = rows.stop == len(motion)
+
+    def corrected(side: int, within: Array) -> Array:
+        return corrections(steps[:, side], plants[side], *blend, ends, within)
+
+    everywhere = np.full((len(steps), 3), np.nan)
+    shift = np.stack([corrected(side, everywhere) for side in range(len(SIDES))], axis=1)
+    leg = pose.ankle - pose.hip
+    whole = quat.norm(pose.knee - pose.hip) + quat.norm(pose.ankle - pose.knee)
+    drop = sinking(leg, whole, shift, blend[0])
+    within = reached(leg, whole, shift, drop)
+    for side in np.flatnonzero(np.any(~np.isnan(within), axis=(0, 2))):
+        shift[:, side] = corrected(side, within[:, side])
     touched = np.flatnonzero(np.any(shift != 0, axis=(1, 2)) | (drop > 0))
     if not len(touched):
         return motion

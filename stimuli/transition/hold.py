@@ -4,7 +4,7 @@ The correction x minimises what is left of the slide while the foot stands, the 
 adds, and its size: a smoothing spline through the swings, stiff where the foot is planted. Where a
 swing is too short to bring the foot from one place to the next, a little slide is left instead of a
 jerk. It begins in the swing before the blend, or with the blend where the foot stands then, and is
-gone soon after the last plant that the blend touches.
+gone soon after the last plant that the blend touches, however long that stands.
 """
 
 import numpy as np
@@ -15,37 +15,56 @@ from stimuli.motion.quaternions import Array
 EASE = 10  # frames at the most over which a correction comes, before a blend
 SETTLE = 16  # frames at the most over which it goes, after a plant
 HELD = 300.0  # frames²: what a metre a frame of slide counts beside a metre a frame² added
-SMALL = 1e-4  # the same for a metre of correction, a frame⁴
-FARTHEST = 0.50  # metres that a foot is moved at the most; beyond, it is held in part
+SMALL = 1e-4  # the same for a metre of correction in a swing, a frame⁴
+CREEP = 0.01  # and where the foot stands: who stands on creeps back within seconds
+CLOSE = 0.3  # the same for a metre from as far as the leg reaches, where that is not far enough
 
 Plant = tuple[int, int]  # first and last frame
 
 
-def corrections(steps: Array, plants: list[Plant], start: int, end: int, ends: bool) -> Array:
+def touching(plants: list[Plant], start: int, end: int) -> list[Plant]:
+    """Those that meet a blend from `start` to `end`, or a frame beside it."""
+    return [(p, q) for p, q in plants if q >= start - 1 and p <= end + 1]
+
+
+def corrections(
+    steps: Array, plants: list[Plant], start: int, end: int, ends: bool, reached: Array
+) -> Array:
     """How far (N, 3) a foot is to be moved, from its steps over the floor (N, 3) and its plants.
 
-    `plants` are all of the foot's, first and last frame, in order. `start` and `end` are the first
-    and last frame of the blend: outside, the sources move as captured, which is left as it is.
-    Where the motion `ends` with these frames, a correction need not have gone by then.
+    `plants` are all of the foot's, in order, `start` and `end` the first and last frame of the
+    blend: outside, the sources move as captured, which is left as it is. Where the motion `ends`
+    with these frames, a correction need not have gone by then. `reached` (N, 3) is what the leg
+    reaches of a correction, where that is not all of it, else NaN.
     """
     shift = np.zeros_like(steps)
-    touched = [(p, q) for p, q in plants if q >= start - 1 and p <= end + 1]
+    touched = touching(plants, start, end)
     if not touched:
         return shift
-    first, stop = _reach(plants, touched, start, len(steps))
+    first, stop = _moved_from_to(plants, touched, start, len(steps))
     weight, wanted = np.zeros(len(steps) + 1), np.zeros((len(steps) + 1, 3))
+    close = np.full(len(steps), SMALL)
     for p, q in touched:
+        close[p : q + 1] = CREEP
         weight[p + 1 : q + 1] = HELD
         of_blend = slice(max(p + 1, start), min(q, end + 1) + 1)
         wanted[of_blend] = -steps[of_blend]
-    of_reach = slice(first, stop + 1)
-    moved = _smoothest(weight[of_reach], wanted[of_reach], start == 0, ends and stop == len(steps))
-    largest = float(np.sqrt(np.square(moved).sum(axis=1).max()))
-    shift[first:stop] = moved * min(1.0, FARTHEST / max(largest, 1e-9))
+    short = ~np.isnan(reached[:, 0])
+    weight[:-1][short] = weight[1:][short] = 0.0
+    part, rows = slice(first, stop + 1), slice(first, stop)
+    shift[rows] = _smoothest(
+        weight[part],
+        wanted[part],
+        np.where(short, CLOSE, close)[rows],
+        np.where(short[:, None], reached, 0.0)[rows],
+        (start == 0, ends and stop == len(steps)),
+    )
     return shift
 
 
-def _reach(plants: list[Plant], touched: list[Plant], start: int, frames: int) -> Plant:
+def _moved_from_to(
+    plants: list[Plant], touched: list[Plant], start: int, frames: int
+) -> tuple[int, int]:
     """The first frame that may be moved, and the one after the last."""
     before = [q for p, q in plants if q < touched[0][0]]
     after = [p for p, q in plants if p > touched[-1][1]]
@@ -55,19 +74,23 @@ def _reach(plants: list[Plant], touched: list[Plant], start: int, frames: int) -
     return first, min([touched[-1][1] + 1 + SETTLE, frames, *after])
 
 
-def _smoothest(weight: Array, wanted: Array, from_start: bool, to_end: bool) -> Array:
-    """x (N, 3) with the least Σ weight |x_t − x_{t−1} − wanted_t|² + |x″|² + SMALL |x|².
+def _smoothest(
+    weight: Array, wanted: Array, close: Array, to: Array, free: tuple[bool, bool]
+) -> Array:
+    """x (N, 3) with the least Σ weight |x_t − x_{t−1} − wanted_t|² + |x″|² + close |x − to|².
 
-    `weight` (N + 1,) and `wanted` (N + 1, 3) are of the steps into every frame and out of the last.
-    x is 0 on both sides, unless it is free where the motion starts or ends.
+    `weight` (N + 1,) and `wanted` (N + 1, 3) are of the steps into every frame and out of the last,
+    `close` (N,) and `to` (N, 3) of the frames. x is 0 before and after, unless it is `free` where
+    the motion starts or ends.
     """
     size = len(weight) - 1
     bends = np.ones(size + 2)  # of x″ at every frame and at the one before and after
-    bends[: 2 * from_start] = 0.0
-    bends[size + 2 - 2 * to_end :] = 0.0
+    bends[: 2 * free[0]] = 0.0
+    bends[size + 2 - 2 * free[1] :] = 0.0
     bands = np.zeros((3, size))
-    bands[2] = SMALL + weight[:-1] + weight[1:] + bends[:-2] + 4 * bends[1:-1] + bends[2:]
+    bands[2] = close + weight[:-1] + weight[1:] + bends[:-2] + 4 * bends[1:-1] + bends[2:]
     bands[1, 1:] = -weight[1:-1] - 2 * bends[1:-2] - 2 * bends[2:-1]
     bands[0, 2:] = bends[2:-2]
     pull = weight[:, None] * wanted
-    return np.asarray(solveh_banded(bands, pull[:-1] - pull[1:], check_finite=False))
+    toward = pull[:-1] - pull[1:] + close[:, None] * to
+    return np.asarray(solveh_banded(bands, toward, check_finite=False))

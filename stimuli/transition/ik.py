@@ -6,6 +6,9 @@ from stimuli.motion import quaternions as quat
 from stimuli.motion.quaternions import Array
 
 STRETCH = 0.998  # of a leg's whole length: as far as it is straightened; beyond, knees pop
+_RIGHTED = (
+    0.02  # metres by which a leg is lengthened or shortened for an overstretched knee to bend
+)
 
 
 def reach_out(
@@ -13,8 +16,9 @@ def reach_out(
 ) -> tuple[Array, Array]:
     """World rotations (N, 4) of the thigh and of the shank that bring the ankle to its target.
 
-    Positions (N, 3). The knee keeps its side: it bends about `hinge` (N, 3), the axis about which
-    it is bent already. A target out of reach is approached, limb lengths never change.
+    Positions (N, 3). The knee bends about `hinge` (N, 3), the axis about which it usually is bent;
+    one that is overstretched turns over as its leg is made shorter. A target out of reach is
+    approached, limb lengths never change.
     """
     thigh, shank = knee - hip, ankle - knee
     upper, lower = quat.norm(thigh), quat.norm(shank)
@@ -24,7 +28,10 @@ def reach_out(
     change = quat.norm(target - hip) - now
     wanted = np.maximum(now + np.where(change > 0, _eased(change, room), change), upper - lower)
     wanted = np.maximum(wanted, lower - upper)
-    bend = _turn(hinge, _knee_angle(upper, lower, wanted) - _knee_angle(upper, lower, now))
+    side = np.where(np.vecdot(quat.cross(thigh, shank), hinge) < 0, -1.0, 1.0)
+    angle, to = side * _knee_angle(upper, lower, now), _knee_angle(upper, lower, wanted)
+    righted = np.minimum(np.abs(wanted - now) / _RIGHTED, 1.0)
+    bend = _turn(hinge, np.where(side < 0, righted, 1.0) * (to - angle))
     bent = thigh + quat.rotate(bend, shank)
     aim = between(bent, target - hip)
     return aim, quat.multiply(aim, bend)
@@ -42,6 +49,8 @@ def between(start: Array, end: Array) -> Array:
 def bend_axis(thigh: Array, shank: Array, orientation: Array) -> Array:
     """Unit axes (N, ..., 3) about which shanks bend from thighs; near straight, the usual ones.
 
+    An overstretched knee has the axis about which it would bend back.
+
     Thighs and shanks (N, ..., 3) over N frames. The usual axis is one in the frame of the thigh,
     whose `orientation` (N, ..., 4) is given: the mean over the frames, most bent counting most.
     """
@@ -49,11 +58,11 @@ def bend_axis(thigh: Array, shank: Array, orientation: Array) -> Array:
     in_thigh = quat.rotate(quat.inverse(orientation), axis).sum(axis=0)
     size = quat.norm(in_thigh)[..., None]
     usual = np.where(size > 0, in_thigh / np.where(size > 0, size, 1.0), [1.0, 0.0, 0.0])
-    bend = quat.norm(axis)
-    sine = bend / (quat.norm(thigh) * quat.norm(shank))
-    trusted = np.clip((sine - 0.02) / 0.1, 0.0, 1.0)[..., None]
-    own = axis / np.maximum(bend[..., None], 1e-12)
-    mixed = trusted * own + (1 - trusted) * quat.rotate(orientation, usual)
+    usual = quat.rotate(orientation, usual)
+    sine = np.vecdot(axis, usual) / (quat.norm(thigh) * quat.norm(shank))
+    trusted = np.clip((np.abs(sine) - 0.02) / 0.1, 0.0, 1.0)[..., None]
+    own = np.where(sine[..., None] < 0, -axis, axis) / np.maximum(quat.norm(axis), 1e-12)[..., None]
+    mixed = trusted * own + (1 - trusted) * usual
     return np.asarray(mixed / np.maximum(quat.norm(mixed)[..., None], 1e-12))
 
 

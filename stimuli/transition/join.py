@@ -1,6 +1,7 @@
 """What is to be joined, and two plain ways of joining: the cut and the linear blend."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from stimuli.errors import InputError
 from stimuli.motion.skeleton import Motion
@@ -9,7 +10,16 @@ from stimuli.transition.blend import blend_linear, spliced
 from stimuli.transition.length import Length
 from stimuli.transition.window import Fits, Window, longest_fitting, specified
 
-Joined = tuple[Motion, tuple[int, int]]  # the result, the first and last frame mixed
+
+class Joined(NamedTuple):
+    """What a way of joining makes: the motion, and its first and last frame that are mixed.
+
+    `played` are A and B where they were joined at another pace than captured.
+    """
+
+    motion: Motion
+    mixed: tuple[int, int]
+    played: tuple[Motion, Motion] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,11 +62,11 @@ def join_cut(join: Join) -> Joined:
     b = aligned(join.a, join.b, join.i, join.j)
     here = slice(join.i, join.i + 1)
     motion = spliced(join.a, b, join.i, join.j + 1, join.a.rotations[here], join.a.root[here])
-    return motion, (join.i, join.i)
+    return Joined(motion, (join.i, join.i))
 
 
 def join_linear(join: Join) -> Joined:
     """Slerp and linear interpolation over the window of the specification."""
     window = join.fitting_window()
     motion = blend_linear(join.a, join.brought(window), window, join.smooth)
-    return motion, (window.first, window.last)
+    return Joined(motion, (window.first, window.last))

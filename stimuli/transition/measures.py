@@ -62,18 +62,18 @@ def _jumps(positions: Array, mixed: tuple[int, int]) -> tuple[float, float]:
 def _foot_slide(transition: Transition) -> float | None:
     """Mean travel a frame of the standing part of standing feet, over the frames mixed."""
     motion, (first, last) = transition.motion, transition.mixed
-    sources = transition.sources
-    if sources is None:
+    played = transition.played
+    if played is None:
         return None
     try:
-        a, b = contacts(sources[0]), contacts(sources[1])
+        a, b = contacts(played[0]), contacts(played[1])
     except InputError:  # no legs are known
         return None
     rows = slice(max(first - 1, 0), min(last + 2, len(motion)))
     frames = np.arange(rows.start, rows.stop)
     later = frames > (first + last) / 2
     here = np.clip(frames, 0, len(a.stands) - 1)
-    there = np.clip(frames + len(sources[1]) - len(motion), 0, len(b.stands) - 1)
+    there = np.clip(frames + len(played[1]) - len(motion), 0, len(b.stands) - 1)
     stands = np.where(later[:, None], b.stands[there], a.stands[here])
     on_toe = np.where(later[:, None], b.on_toe[there], a.on_toe[here])[1:, :, None]
     pose = leg_pose(motion, rows)

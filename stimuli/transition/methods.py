@@ -52,6 +52,7 @@ class Transition:
     mixed: tuple[int, int]
     report: Mapping[str, Any] = field(default_factory=dict)
     sources: tuple[Motion, Motion] | None = None  # A and B as captured
+    played: tuple[Motion, Motion] | None = None  # the same at the pace at which they were joined
 
 
 @dataclass(frozen=True)
@@ -122,9 +123,10 @@ def transition(
     else:
         length = way.given(a, b, i, j, specification, frames)
     join = Join(a, on_skeleton(b, a.skeleton), i, j, specification, length, smooth)
-    motion, mixed = way.blend(join)
+    motion, mixed, warped = way.blend(join)
+    played = warped or (a, b)
     if foot_lock and length.frames:
-        motion = lock_feet(motion, a, b, _mixing(join, motion, mixed))
+        motion = lock_feet(motion, *played, _mixing(join, motion, mixed, len(played[1])))
     return Transition(
         motion,
         method,
@@ -135,12 +137,13 @@ def transition(
         mixed,
         MappingProxyType(dict(length.report)),
         (a, b),
+        played,
     )
 
 
-def _mixing(join: Join, motion: Motion, mixed: tuple[int, int]) -> Window:
+def _mixing(join: Join, motion: Motion, mixed: tuple[int, int], frames_of_b: int) -> Window:
     """The window of the frames mixed, whose lag is told by where B's frames end up."""
-    lag = len(join.b) - len(motion)
+    lag = frames_of_b - len(motion)
     first, last = mixed
     plain = join.window
     if (first, lag) == (plain.first, plain.lag):

@@ -66,7 +66,14 @@ def legs_of(skeleton: Skeleton) -> Legs:
             f"to the left ankle and {len(right)} to the right.\nFeet cannot be held: "
             "use --no-foot-lock."
         )
-    return Legs(np.array([left, right]).T, hip, knee, np.array(toes))
+    legs = Legs(np.array([left, right]).T, hip, knee, np.array(toes))
+    bones = np.linalg.norm(skeleton.offsets[legs.chain], axis=-1)
+    if not (bones[legs.hip + 1 : legs.knee + 1].any(0) & bones[legs.knee + 1 :].any(0)).all():
+        raise InputError(
+            f"skeleton of {skeleton.names[0]}: expected thighs and shanks, found one without "
+            "length.\nFeet cannot be held: use --no-foot-lock."
+        )
+    return legs
 
 
 def _toe(skeleton: Skeleton, side: str, ankle: int) -> Array:

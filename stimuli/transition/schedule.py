@@ -45,7 +45,7 @@ def join_per_joint(join: Join) -> Joined:
     weights = np.stack([_centred(window, int(length)) for length in frames], axis=-1)
     weights = smoothstep(weights) if join.smooth else weights
     motion = blend_weighted(join.a, join.brought(window), window, weights)
-    return motion, (window.first, window.last)
+    return Joined(motion, (window.first, window.last))
 
 
 def _frames_of(skeleton: Skeleton, schedule: dict[str, int], default: int) -> np.ndarray:

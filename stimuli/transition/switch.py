@@ -6,8 +6,7 @@ side of the switch, is extrapolated beyond it at its last velocity, and the two 
 The switch is frame i (start-end), where the blend begins, or the instant (center-aligned).
 """
 
-from collections.abc import Callable, Mapping
-from types import MappingProxyType
+from collections.abc import Callable
 
 import numpy as np
 
@@ -43,9 +42,6 @@ def decay_spring(value: Array, rate: Array, frames: int) -> Array:
     return np.asarray((value + (rate + pull * value) * t) * np.exp(-pull * t))
 
 
-DECAYS: Mapping[str, Decay] = MappingProxyType({"quintic": decay_quintic, "spring": decay_spring})
-
-
 def room_to_decay(window: Window, a: Motion, b: Motion) -> bool:
     """Whether B has the frames on which a displacement decays, from the switch on."""
     switch = window.anchor + window.lag
@@ -77,7 +73,7 @@ def join_inertialized(decay: Decay) -> Callable[[Join], Joined]:
         rotations = quat.multiply(b.rotations[rows], offset)
         root = b.root[rows] + decay(place, place_rate, frames)
         motion = spliced(a, b, here, there + frames, rotations, root)
-        return motion, (here, here + frames - 1)
+        return Joined(motion, (here, here + frames - 1))
 
     return join_with
 
@@ -100,7 +96,7 @@ def join_dead(join: Join) -> Joined:
         weights,
     )
     motion = spliced(join.a, b, window.first, past_b.stop, rotations, root)
-    return motion, (window.first, window.last)
+    return Joined(motion, (window.first, window.last))
 
 
 def _displacement(a: Motion, b: Motion, here: int, there: int) -> tuple[Array, Array]:

@@ -215,7 +215,7 @@ def join_timewarp(join: Join) -> Joined:
     mixed = Window(
         first_a, first_a + count - 1, first_b - first_a, first_a, window.weights[0], window.frames
     )
-    return blend_linear(a, b, mixed, join.smooth), (mixed.first, mixed.last)
+    return Joined(blend_linear(a, b, mixed, join.smooth), (mixed.first, mixed.last), (a, b))
 
 
 def _stretched(motion: Motion, first: int, last: int, count: int) -> Motion:

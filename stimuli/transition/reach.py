@@ -1,0 +1,52 @@
+"""Where legs are too short to hold a foot: the body sinks a little, then it is held in part."""
+
+import numpy as np
+
+from stimuli.motion import quaternions as quat
+from stimuli.motion.quaternions import Array
+
+EASY = 0.992  # of a leg's whole length: as far as it reaches without being straightened
+DEEPEST = 0.03  # metres that a body sinks at the most, about as far as in any step
+NEAREST = 0.5  # of its distance from the hip: a foot is moved no farther than this
+SINKING = 10  # frames over which it sinks and rises
+
+
+def sinking(leg: Array, whole: Array, shift: Array, start: int) -> Array:
+    """How far (N,) metres a body is to sink for its ankles to be moved by `shift`, smoothly.
+
+    `leg` (N, 2, 3) leads from the hips to the ankles, `whole` (N, 2) is how long the legs are when
+    straight, `shift` (N, 2, 3). Nothing before and after SINKING frames around those
+    in which a moved ankle lies farther from its hip than the leg easily reaches, from frame `start`
+    on.
+    """
+    now, away = quat.norm(leg), leg + shift
+    across = np.square(away[..., 0]) + np.square(away[..., 2])
+    allowed = np.square(np.maximum(now, EASY * whole))
+    above = np.sqrt(np.maximum(allowed - across, 0.0))
+    needed = np.where(np.any(shift != 0, axis=-1), -away[..., 1] - above, 0.0).max(axis=1)
+    needed = np.clip(needed, 0.0, DEEPEST)
+    needed[:start] = 0.0
+    if not needed.any():
+        return needed
+    half = SINKING // 2
+    wide = np.pad(needed, 2 * half)
+    largest = np.lib.stride_tricks.sliding_window_view(wide, 2 * half + 1).max(axis=1)
+    kernel = np.hanning(2 * half + 3)[1:-1]
+    return np.convolve(largest, kernel / kernel.sum(), mode="valid")
+
+
+def reached(leg: Array, whole: Array, shift: Array, drop: Array) -> Array:
+    """What legs reach of `shift` (N, 2, 3) along the floor from a body that sank by `drop` (N,).
+
+    NaN where that is all of it. A foot that were placed beyond would leave the floor.
+    """
+    now, size = quat.norm(leg), quat.norm(shift)
+    part = NEAREST * now / np.maximum(size, 1e-9)
+    lowered = leg.copy()
+    lowered[..., 1] += drop[:, None]
+    room = np.square(np.maximum(now, EASY * whole)) - np.square(quat.norm(lowered))
+    along, square = np.vecdot(lowered, shift), np.maximum(np.square(size), 1e-18)
+    # the larger root of |lowered + part · shift|² = allowed²
+    root = (np.sqrt(np.maximum(along**2 + square * room, 0.0)) - along) / square
+    part = np.clip(np.minimum(part, root), 0.0, 1.0)[..., None]
+    return np.where((part < 1.0) & (size[..., None] > 1e-4), part * shift, np.nan)
