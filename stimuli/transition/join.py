@@ -42,7 +42,9 @@ class Join:
     def fitting_window(self, fits: Fits = Window.fits) -> Window:
         """The same; InputError where the motions lack frames that a way of joining needs."""
         if self.length.frames < 1 or not fits(self.window, self.a, self.b):
-            longest = longest_fitting(self.a, self.b, self.i, self.j, self.specification, fits)
+            longest = longest_fitting(
+                self.a, self.b, self.i, self.j, self.specification, fits, most=len(self.a)
+            )
             raise InputError(
                 f"{self.specification} blend {self.i} → {self.j}: expected a length from 1 to "
                 f"{longest} frames, found {self.length.frames}.\n"

@@ -76,11 +76,12 @@ Fits = Callable[[Window, Motion, Motion], bool]
 
 
 def longest_fitting(
-    a: Motion, b: Motion, i: int, j: int, specification: str, fits: Fits = Window.fits
-) -> int:
-    """The longest blend, up to 60 frames, whose window both motions have; 0 when none has."""
+    a: Motion, b: Motion, i: int, j: int, specification: str,
+    fits: Fits = Window.fits, most: int = LONGEST,
+) -> int:  # fmt: skip
+    """The longest blend, up to `most` frames, whose window both motions have; 0 when none has."""
     window = specified(specification)
-    fitting = [n for n in range(1, LONGEST + 1) if fits(window(i, j, n), a, b)]
+    fitting = [n for n in range(1, most + 1) if fits(window(i, j, n), a, b)]
     return max(fitting, default=0)
 
 
