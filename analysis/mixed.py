@@ -18,6 +18,7 @@ from analysis.psychometric.functions import Array
 LARGEST_SD = 6.0  # of the random intercepts, in log odds
 LEAST_SD = 1e-3  # below it an effect does not vary
 METHOD = "logistic mixed model, random intercepts of {}, Laplace approximation, Wald interval"
+METHOD_PLAIN = "logistic model without random effects, Wald interval"
 
 
 @dataclass(frozen=True)
@@ -46,10 +47,10 @@ class _Cells:
 def mixed(people: Array, motions: Array, chose_a: Array) -> Mixed:
     """Fit the model to single answers (N,): who, on which motion, and whether a was chosen."""
     cells = _cells(people, motions, chose_a)
-    named = [
+    effects = [
         n for n, is_random in (("people", cells.people), ("motions", cells.motions)) if is_random
     ]
-    method = METHOD.format(" and ".join(named) or "nothing")
+    method = METHOD.format(" and ".join(effects)) if effects else METHOD_PLAIN
     count, right = cells.total.sum(), cells.chose.sum()
     if right in (0, count):
         return Mixed(None, None, None, None, f"{method}: not estimable, every answer is the same")

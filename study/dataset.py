@@ -90,6 +90,19 @@ def runs(data: Path, participant: str, label: str) -> dict[int, Path]:
     return dict(sorted((int(m[1]), path) for path in found if (m := RUN.search(path.name))))
 
 
+def finished_runs(data: Path, participant: str, label: str, rehearsal: bool) -> list[int]:
+    """The numbers of the runs, or of the rehearsals, that a participant has finished."""
+    found = []
+    for number, path in runs(data, participant, label).items():
+        try:
+            sidecar = json.loads(path.with_suffix(".json").read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            continue  # a run that cannot be read is not one known to be finished
+        if sidecar.get("Finished") and bool(sidecar.get("Rehearsal")) == rehearsal:
+            found.append(number)
+    return found
+
+
 def unfinished(data: Path, participant: str, protocol: Protocol, rehearsal: bool) -> Record | None:
     """The participant's latest run of this protocol, unless it is finished.
 

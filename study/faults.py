@@ -38,28 +38,61 @@ def _place(fault: Fault, text: str) -> str:
 
 def find_line(text: str, path: tuple[str | int, ...]) -> int | None:
     """The 1-based line where the deepest key of `path` stands, or None."""
-    names = [part for part in path if isinstance(part, str)]
     lines = text.splitlines()
-    start, end, depth = 0, len(lines), 0
-    for upto in range(len(names), 0, -1):
-        header = re.compile(
-            r"\s*\[+\s*" + r"\s*\.\s*".join(map(re.escape, names[:upto])) + r"\s*\]"
-        )
-        at = next((n for n, line in enumerate(lines) if header.match(line)), None)
-        if at is not None:
-            following = (n for n in range(at + 1, len(lines)) if lines[n].lstrip().startswith("["))
-            start, end, depth = at, next(following, len(lines)), upto
+    start, end, rest = _own_table(lines, path)
+    found = start if len(rest) < len(path) else None  # the line of the table's header
+    for part in rest:
+        place = _item(lines, start, end, part) if isinstance(part, int) else None
+        if isinstance(part, str):
+            key = re.compile(rf"""(^|[\s,{{.])["']?{re.escape(part)}["']?\s*[=.]""")
+            at = (n for n in range(start, end) if key.search(_bare(lines[n])))
+            place = next(at, None)
+        if place is None:
             break
-    else:
-        end = next((n for n, line in enumerate(lines) if line.startswith("[")), len(lines))
-    found = start + 1 if depth else None
-    for name in names[depth:]:
-        key = re.compile(rf"""(^|[\s,{{.])["']?{re.escape(name)}["']?\s*[=.]""")
-        at = next((n for n in range(start, end) if key.search(lines[n].split("#")[0])), None)
-        if at is None:
-            break
-        start, found = at, at + 1
+        start, found = place, place + 1
+        end = min(end, _closed(lines, start, end))
     return found
+
+
+def _own_table(
+    lines: list[str], path: tuple[str | int, ...]
+) -> tuple[int, int, tuple[str | int, ...]]:
+    """The lines [start, end) of the deepest table of `path` that has a header; the keys below."""
+    upto = next((n for n, part in enumerate(path) if isinstance(part, int)), len(path))
+    for depth in range(upto, 0, -1):
+        names = r"\s*\.\s*".join(re.escape(str(part)) for part in path[:depth])
+        header = re.compile(rf"\s*\[+\s*{names}\s*\]")
+        headers = [n for n, line in enumerate(lines) if header.match(line)]
+        number = next(iter(path[depth:]), None)
+        of_array = isinstance(number, int) and any("[[" in lines[n] for n in headers)
+        if isinstance(number, int) and of_array and number < len(headers):
+            headers, depth = headers[number:], depth + 1
+        if headers:
+            at = headers[0]
+            following = (n for n in range(at + 1, len(lines)) if lines[n].lstrip().startswith("["))
+            return at + 1, next(following, len(lines)), path[depth:]
+    top = next((n for n, line in enumerate(lines) if line.startswith("[")), len(lines))
+    return 0, top, path
+
+
+def _bare(line: str) -> str:
+    return line.split("#")[0]
+
+
+def _closed(lines: list[str], start: int, end: int) -> int:
+    """The line after the one where the brackets opened in line `start` are closed."""
+    depth = 0
+    for n in range(start, end):
+        depth += sum({"{": 1, "[": 1, "}": -1, "]": -1}.get(c, 0) for c in _bare(lines[n]))
+        if depth <= 0:
+            return n + 1
+    return end
+
+
+def _item(lines: list[str], start: int, end: int, number: int) -> int | None:
+    """The line where inline table `number` of an array begins; None where there are no such."""
+    begins = [n for n in range(start, end) for c in _bare(lines[n]) if c == "{"]
+    return begins[number] if number < len(begins) else None
 
 
 def _of_keys(document: Mapping[str, Any]) -> Iterator[Fault]:
@@ -86,7 +119,8 @@ def _say(detail: Any, place: tuple[str | int, ...]) -> str:
     if detail["type"] == "missing":
         return "expected this key, found nothing; add it"
     if detail["type"] == "extra_forbidden":
-        near = difflib.get_close_matches(str(place[-1]), sorted(_known_keys(ProtocolFile)), n=1)
+        known = sorted(_keys_beside(_as_written(place)))
+        near = difflib.get_close_matches(str(place[-1]), known, n=1)
         return "no such key here; " + (f"did you mean {near[0]}?" if near else "remove it")
     expected = (
         detail["msg"].replace("Input should be", "expected").replace("String should", "expected to")
@@ -94,19 +128,35 @@ def _say(detail: Any, place: tuple[str | int, ...]) -> str:
     return f"{expected}, found {detail['input']!r}"
 
 
-def _known_keys(model: type[BaseModel]) -> set[str]:
-    """All keys of a model and of the models below it."""
-    keys: set[str] = set()
-    for name, field in model.model_fields.items():
-        keys.add(field.alias or name)
-        frontier: list[Any] = [field.annotation]
-        while frontier:
-            kind = frontier.pop()
-            if get_origin(kind) is not None:
-                frontier.extend(get_args(kind))
-            elif isinstance(kind, type) and issubclass(kind, BaseModel):
-                keys |= _known_keys(kind)
-    return keys
+def _keys_beside(place: tuple[str | int, ...]) -> set[str]:
+    """The keys of the table in which the last of `place` stands."""
+    kinds: list[Any] = [ProtocolFile]
+    for part in place[:-1]:
+        kinds = [inner for kind in kinds for inner in _inside(kind, part)]
+    models = [model for kind in kinds for model in _models(kind)]
+    return {field.alias or name for m in models for name, field in m.model_fields.items()}
+
+
+def _inside(kind: Any, part: str | int) -> Iterator[Any]:
+    """What a value of the type `kind` holds at a key or place."""
+    if isinstance(kind, type) and issubclass(kind, BaseModel):
+        named = [f for name, f in kind.model_fields.items() if part in (name, f.alias)]
+        extra = get_args(kind.__annotations__.get("__pydantic_extra__"))[1:]
+        yield from [field.annotation for field in named] or extra
+    elif get_origin(kind) in (dict, tuple):
+        yield get_args(kind)[-1 if get_origin(kind) is dict else 0]
+    else:
+        for member in get_args(kind):
+            yield from _inside(member, part)
+
+
+def _models(kind: Any) -> Iterator[type[BaseModel]]:
+    """The tables that a value of the type `kind` may be."""
+    if isinstance(kind, type) and issubclass(kind, BaseModel):
+        yield kind
+    elif get_origin(kind) not in (dict, tuple):
+        for member in get_args(kind):
+            yield from _models(member)
 
 
 def _of_wholes(document: Mapping[str, Any]) -> Iterator[Fault]:

@@ -23,6 +23,7 @@ from study.observers import simulated
 from study.plan import Plan, make_plan
 from study.protocol import Protocol
 from study.record import COMMON, MISSING, Record, create
+from study.rendered import again_command, check_rendered
 from study.session import run
 from study.sets import references_of_manifest
 from study.sidecar import sidecar_of
@@ -108,6 +109,7 @@ def _locked(
         seed = int(earlier.sidecar["Seed"])
     elif seed is None:
         seed = secrets.randbits(32)
+    check_rendered(protocol, manifest, request.rehearsal)
     plan = make_plan(protocol, references_of_manifest(protocol, manifest), seed, request.rehearsal)
     _check_clips(plan, manifest)
     observer = simulated(plan) if request.observer == "simulated" else None
@@ -183,7 +185,7 @@ def _check_clips(plan: Plan, manifest: "Manifest") -> None:
         raise InputError(
             f"{manifest.directory}: expected all clips of {plan.protocol.name}, found none for "
             f"{names}{' and more' if len(lacking) > 4 else ''};\n"
-            f"run `segue render {plan.protocol.name}`"
+            f"run `{again_command(plan.protocol, manifest.directory)}`"
         )
 
 

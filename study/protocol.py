@@ -5,7 +5,7 @@ import json
 import re
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -22,6 +22,12 @@ class Protocol:
     file: ProtocolFile
     document: Mapping[str, Any]
     hash: str
+    where: str = ""  # the path or shipped name that it was loaded by
+
+    @property
+    def called(self) -> str:
+        """What a command line calls it: its path, or the name of a shipped protocol."""
+        return self.where or self.file.name
 
     @property
     def name(self) -> str:
@@ -54,10 +60,11 @@ def load(name_or_path: str | Path) -> Protocol:
             f"{name_or_path}: expected a protocol file or one of {names}; found no such file"
         )
     try:
-        text = path.read_text(encoding="utf-8")
+        # Notepad begins a file with a byte order mark, which TOML does not know.
+        text = path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
         raise InputError(f"{path}: expected UTF-8 text, found {error.reason}") from error
-    return parse(text, where=str(path))
+    return replace(parse(text, where=str(path)), where=str(name_or_path))
 
 
 def parse(text: str, where: str = "protocol") -> Protocol:

@@ -13,15 +13,11 @@ if TYPE_CHECKING:
 
 def choose_set(protocol: Protocol, library: "Library", name: str | None = None) -> str:
     """The set called `name`, or the first whose clips are all found in the library."""
-    sets = protocol.file.sets
+    _check_name(protocol, name)
     if name is not None:
-        if name not in sets:
-            raise InputError(
-                f"{protocol.name}: expected one of the sets {', '.join(sets)}, found {name!r}"
-            )
         return name
     missing: dict[str, list[str]] = {}
-    for candidate, table in sets.items():
+    for candidate, table in protocol.file.sets.items():
         clips = sorted({role.clip for role in table.roles.values()})
         missing[candidate] = [clip for clip in clips if not library.candidates(clip)]
         if not missing[candidate]:
@@ -33,6 +29,14 @@ def choose_set(protocol: Protocol, library: "Library", name: str | None = None) 
         f"({lacking}).\nFetch the sample motions with `segue motions fetch`, or name a directory "
         "with --motions DIR."
     )
+
+
+def _check_name(protocol: Protocol, name: str | None) -> None:
+    sets = protocol.file.sets
+    if name is not None and name not in sets:
+        raise InputError(
+            f"{protocol.name}: expected one of the sets {', '.join(sets)}, found {name!r}"
+        )
 
 
 def set_spec(
@@ -101,8 +105,10 @@ def references(
     """The reference lengths without a stimulus set: given, computed, or the observer's.
 
     A simulation needs no motions on disk: where `geodesic` cannot be computed the protocol's
-    `observer.reference` stands in. Raises InputError when that is absent too.
+    `observer.reference` stands in. Raises InputError when that is absent too, and for a set that
+    the protocol does not have, whether or not its clips are needed.
     """
+    _check_name(protocol, set_name)
     stimuli = protocol.file.stimuli
     names = [pair.name for pair in stimuli.motions]
     if stimuli.reference is None:

@@ -3,13 +3,14 @@
 import os
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
+from itertools import islice
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
 from stimuli.errors import InputError
 from study.dataset import enrol, prepare, record_path, runs
-from study.observers import simulated
+from study.observers import Simulated, simulated
 from study.plan import Plan, make_plan, session_seed
 from study.protocol import Protocol
 from study.record import COMMON, create
@@ -19,6 +20,7 @@ from study.stage import Nowhere
 from study.tasks import TASKS
 
 WORTH_A_PROCESS = 20
+LAST_NUMBER = 999_999
 
 
 def plan_of(protocol: Protocol, references: dict[str, int], seed: int, participant: int) -> Plan:
@@ -26,9 +28,10 @@ def plan_of(protocol: Protocol, references: dict[str, int], seed: int, participa
     return make_plan(protocol, references, session_seed(seed, participant))
 
 
-def rows(plan: Plan) -> Iterator[dict[str, Any]]:
-    """The rows of one simulated session, in memory."""
-    for _, row in rows_of_plan(plan, _nowhere(plan), simulated(plan), lambda key: None):
+def rows(plan: Plan, observer: Simulated | None = None) -> Iterator[dict[str, Any]]:
+    """The rows of one simulated session, in memory; by default of the protocol's observer."""
+    observer = observer or simulated(plan)
+    for _, row in rows_of_plan(plan, _nowhere(plan), observer, lambda key: None):
         yield row
 
 
@@ -43,14 +46,14 @@ def simulate(
 ) -> list[Path]:
     """Simulate sessions into the data set `data`, on all cores; returns the records.
 
-    Participants are named sim001 on; numbers that already have this task are passed over. The
-    same seed into an empty data set gives the same bytes.
+    Participants are named sim001 on; numbers that already have this task are passed over. A
+    person's own seed goes by the number in the name, so that sim013 is one person for one `seed`,
+    however many are simulated at a time.
     """
-    names = _free_names(data, protocol.label, participants)
+    numbers = _free_numbers(data, protocol.label, participants)
     prepare(data)
-    plans = [plan_of(protocol, references, seed, n) for n in range(participants)]
     jobs = [
-        (protocol.document, references, p.seed, data, n) for p, n in zip(plans, names, strict=True)
+        (protocol.document, references, session_seed(seed, n - 1), data, _name(n)) for n in numbers
     ]
     count = min(workers or os.cpu_count() or 1, 1 + participants // WORTH_A_PROCESS)
     paths = []
@@ -65,22 +68,22 @@ def simulate(
                 paths.append(path)
                 if progress:
                     progress(n)
-    for name in names:
-        enrol(data, name, observer="simulated")
+    for number in numbers:
+        enrol(data, _name(number), observer="simulated")
     return paths
 
 
-def _free_names(data: Path, label: str, count: int) -> list[str]:
-    names: list[str] = []
-    number = 1
-    while len(names) < count:
-        if number > 999_999:
-            raise InputError(f"{data}: too many simulated participants; use another directory")
-        name = f"sim{number:03d}"
-        if not runs(data, name, label):
-            names.append(name)
-        number += 1
-    return names
+def _name(number: int) -> str:
+    return f"sim{number:03d}"
+
+
+def _free_numbers(data: Path, label: str, count: int) -> list[int]:
+    """The first numbers from 1 whose person has not done this task."""
+    free = (n for n in range(1, LAST_NUMBER + 1) if not runs(data, _name(n), label))
+    numbers = list(islice(free, count))
+    if len(numbers) < count:
+        raise InputError(f"{data}: too many simulated participants; use another directory")
+    return numbers
 
 
 def _one(job: tuple[Any, dict[str, int], int, Path, str]) -> Path:

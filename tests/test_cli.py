@@ -24,6 +24,8 @@ def segue(*words: str, cwd: Path = ROOT, **environment: str) -> subprocess.Compl
     [
         (("simulate", "jnd-centre", "--participants", "2"), "jnd-center"),
         (("simulate", "jnd-center", "--participants", "0"), "--participants"),
+        (("simulate", "jnd-center", "--participants", "2", "--set", "mine"), "sample"),
+        (("certify", "study-one", "--sets", "2", "--set", "mine"), "sample"),
         (("run", "jnd-center", "--participant", "../../x"), "letters and digits"),
         (("run", "jnd-center", "--participant", "p1", "--pace", "0"), "--pace"),
         (("length", "nope:1", "nada:2"), "nope"),

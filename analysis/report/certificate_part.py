@@ -1,12 +1,13 @@
 """What was certified of a protocol before its data, quoted beside them."""
 
 import json
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
 from analysis.report.context import Context
 from analysis.report.parts import Section
-from analysis.report.words import number, share, signed
+from analysis.report.words import count, listing, number, share, signed
 
 NAME = "certificate.json"
 # What a certificate would say, by task: what is simulated of a study depends on what it asks.
@@ -43,18 +44,59 @@ def certificate_section(context: Context) -> Section:
             ),
         )
     told = [
-        f"Certified before the data ({held.get('simulated_sets', 'some')} simulated studies of "
-        f"{held.get('participants', 'some')} people):"
+        f"Certified{_when(held, context)} ({held.get('simulated_sets', 'some')} simulated studies "
+        f"of {_people(held.get('participants'))}):",
+        *_estimates(held),
+        *_power(held, context),
     ]
-    for side in held.get("thresholds", []):
-        told.append(
-            f"on the {side['side']} side a true {signed(side['truth'])} is estimated as "
-            f"{signed(side['fit']['mean'])} on average (SD {number(side['fit']['sd'])}), and the "
-            f"95% interval covers it in {share(side['coverage'])} of studies;"
-        )
-    for test in held.get("power", [])[:3]:
-        told.append(
-            f"with {test['participants']} people the power for an effect of {test['effect']:g} is "
-            f"{share(test['power'])};"
-        )
     return Section("What the design can show", text=(" ".join(told).rstrip(";:") + ".",))
+
+
+def _when(held: dict[str, Any], context: Context) -> str:
+    """Whether the certificate came before the first session; nothing where a time is missing."""
+    flips = [session.sidecar.get("FirstFlip") for session in context.study.sessions]
+    times = [float(flip) for flip in flips if isinstance(flip, int | float)]
+    try:
+        created = datetime.fromisoformat(str(held.get("created")))
+    except ValueError:
+        return ""
+    if not times or created.tzinfo is None:
+        return ""
+    if created.timestamp() > min(times):
+        return " after the first session of the data"
+    # A session without a time may have come before the certificate.
+    return " before the data" if len(times) == len(flips) else ""
+
+
+def _estimates(held: dict[str, Any]) -> list[str]:
+    return [
+        f"on the {side['side']} side a true {signed(side['truth'])} is estimated as "
+        f"{signed(side['fit']['mean'])} on average (SD {number(side['fit']['sd'])}), and the "
+        f"95% interval covers it in {share(side['coverage'])} of studies;"
+        for side in held.get("thresholds", [])
+    ]
+
+
+def _people(number: int | None) -> str:
+    return "some people" if number is None else count(number, "person", "people")
+
+
+def _power(held: dict[str, Any], context: Context) -> list[str]:
+    """The number of people recommended, and the power at the number that the protocol states."""
+    told = []
+    if "recommended_for" in held:
+        people = held.get("recommended_participants")
+        found = f"{_people(people)} are" if people else "more people than could be tried are"
+        told.append(f"{found} recommended ({held['recommended_for']});")
+    rows = held.get("power", [])
+    own = (context.protocol.get("participants"), held.get("participants"))
+    stated = next((n for n in own if any(row["participants"] == n for row in rows)), None)
+    powers = [
+        f"{share(row['power'])} for an effect of {row['effect']:g}"
+        for row in rows
+        if row["participants"] == stated
+    ]
+    if powers:
+        what = f" of {held['power_of']}" if "power_of" in held else ""
+        told.append(f"with {_people(stated)} the power{what} is {listing(powers)};")
+    return told

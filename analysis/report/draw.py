@@ -6,7 +6,7 @@ dollar signs in names from logs are no formulas.
 
 import io
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
@@ -71,6 +71,13 @@ def _inline(text: str) -> str:
     body = text[text.index("<svg ") :]
     body = re.sub(r"<metadata>.*?</metadata>", "", body, flags=re.DOTALL)
     return body.strip() + "\n"
+
+
+def plain_ticks(axis: Any, places: Iterable[int]) -> None:
+    """Whole numbers as marks: those of a logarithmic scale are TeX, which stays text here."""
+    places = list(places)
+    axis.set_ticks(places, [str(place) for place in places])
+    axis.set_ticks([], minor=True)
 
 
 def quiet_y(axis: Any) -> None:

@@ -32,7 +32,8 @@ class Table:
         return {
             str(column)
             for column in self.shown
-            if any(any(c.isalpha() for c in str(cell)) for cell in self.shown[column])
+            if "interval" not in str(column)  # "−8.1 to −6.9" is two numbers, kept on one line
+            and any(any(c.isalpha() for c in str(cell)) for cell in self.shown[column])
         }
 
 

@@ -13,7 +13,7 @@ from analysis.report.context import Context
 from analysis.report.draw import GRID, INK, LONGER, PALE, canvas, quiet_y, shorten
 from analysis.report.parts import Figure, Findings, Section, Table
 from analysis.report.scale_part import scale_section
-from analysis.report.words import interval, number, p_value, sentence_case, share
+from analysis.report.words import interval, listing, number, p_value, sentence_case, share
 
 
 def report_preference(context: Context) -> Findings:
@@ -78,7 +78,7 @@ def mixed_sentence(contest: Contest, fit: Mixed, alpha: float) -> str:
         return f"The mixed model gives no estimate ({fit.method.partition(': ')[2]})."
     odds = number(float(np.exp(np.clip(fit.estimate, -20, 20))))
     told = (
-        f"With people and motions as random effects the log odds of choosing {contest.a} are "
+        f"{_with_effects(fit)} the log odds of choosing {contest.a} are "
         f"{number(fit.estimate)}, {interval(fit.low, fit.high)}, {p_value(fit.p)} "
         f"(odds {odds}; {fit.method})."
     )
@@ -93,6 +93,18 @@ def mixed_sentence(contest: Contest, fit: Mixed, alpha: float) -> str:
         else " The two tests disagree: the mixed model finds a preference where the pooled test, "
         "which averages over people and motions, does not."
     )
+
+
+def _with_effects(fit: Mixed) -> str:
+    """The random effects that were fitted: an SD stands for each."""
+    effects = [
+        name
+        for name, sd in (("people", fit.sd_people), ("motions", fit.sd_motions))
+        if sd is not None
+    ]
+    if not effects:
+        return "Without random effects, which these answers cannot tell,"
+    return f"With {listing(effects)} as random effects"
 
 
 def bias_sentence(contest: Contest, alpha: float) -> str:

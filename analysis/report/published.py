@@ -38,6 +38,10 @@ RATINGS: dict[tuple[str, str], tuple[str, float]] = {
     ("more natural", "signed-rank, midpoint"): ("mean", 2.69),
 }
 
+OF_THRESHOLDS = (
+    "His thresholds are printed without a proportion; they stand here beside the .75 threshold. "
+)
+
 Row = tuple[str, str, str]
 
 
@@ -45,9 +49,10 @@ def published_section(context: Context, document: dict[str, Any]) -> Section | N
     """A table beside the dissertation's figures; None for a protocol that reproduces none."""
     if SOURCE not in str(context.protocol.get("source", "")):
         return None
+    thresholds = _thresholds(document.get("psychometric", []))
     rows = [
         *_preferences(document.get("comparisons", [])),
-        *_thresholds(document.get("psychometric", [])),
+        *thresholds,
         *_ratings(document.get("ratings", [])),
     ]
     if not rows:
@@ -59,8 +64,8 @@ def published_section(context: Context, document: dict[str, Any]) -> Section | N
         "What is printed in Wang (2005), and what these sessions give.",
         data,
         shown,
-        "His thresholds are printed without a proportion; they stand here beside the .75 "
-        "threshold. The studies differ in people, motions and equipment.",
+        (OF_THRESHOLDS if thresholds else "")
+        + "The studies differ in people, motions and equipment.",
     )
     return Section("Beside the dissertation", tables=(table,))
 

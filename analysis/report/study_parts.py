@@ -6,10 +6,12 @@ import numpy as np
 import pandas as pd
 
 from analysis.report.context import Context
-from analysis.report.draw import LONGER, canvas
+from analysis.report.draw import LONGER, canvas, plain_ticks
 from analysis.report.parts import Figure, Section, Table
 from analysis.report.words import count, listing, number
 
+MOST_LATE = 20  # late frames with a bar of their own
+LINEAR_UP_TO = 10  # trials; above, the axis is logarithmic
 MOST_FAULTS = 20  # malformed rows named on the page; report.json names them all
 
 
@@ -115,9 +117,11 @@ def timing_section(context: Context) -> Section:
 
 
 def _late_sentence(trials: pd.DataFrame, late: pd.Series) -> str:
+    on_time = int((late == 0).sum())
     void = int((trials["void"].fillna(0) == 1).sum()) if "void" in trials else 0
     return (
-        f"{int((late == 0).sum())} of {count(len(late), 'trial')} were shown without a late frame; "
+        f"{on_time} of {count(len(late), 'trial')} {'was' if on_time == 1 else 'were'} shown "
+        "without a late frame; "
         f"the worst had {late.max():.0f}, and {count(void, 'trial')} "
         f"{'was' if void == 1 else 'were'} void."
     )
@@ -128,15 +132,31 @@ def _late_table(stem: str, trials: pd.DataFrame) -> Table:
     data = pd.DataFrame(
         {"trials": by_person.size(), "late": by_person.sum(), "worst": by_person.max()}
     ).reset_index(names="participant")
-    return Table(f"{stem}-timing", "Late frames by person.", data, data.astype(str))
+    counts = data.assign(**{name: data[name].map(_whole) for name in ("trials", "late", "worst")})
+    return Table(f"{stem}-timing", "Late frames by person.", data, counts)
+
+
+def _whole(value: float) -> str:
+    """A count; a dash where none was recorded."""
+    return number(value, 0)
 
 
 def _late_figure(stem: str, late: pd.Series) -> Figure:
-    values, trials = np.unique(np.minimum(late.to_numpy(), 20), return_counts=True)
+    values, trials = np.unique(np.minimum(late.to_numpy(), MOST_LATE), return_counts=True)
     with canvas(7.2, 2.2) as drawn:
         axis = drawn.figure.subplots()
         axis.bar(values, trials, color=LONGER, width=0.8)
-        axis.set_yscale("symlog", linthresh=10)
-        axis.set_xlabel("late frames in a trial (20: 20 or more)")
+        axis.set_yscale("symlog", linthresh=LINEAR_UP_TO)
+        plain_ticks(axis.yaxis, _round_counts(int(trials.max())))
+        plain_ticks(axis.xaxis, range(0, MOST_LATE + 1, 5) if values.max() > 5 else range(6))
+        axis.set_xlabel(f"late frames in a trial ({MOST_LATE}: {MOST_LATE} or more)")
         axis.set_ylabel("trials")
     return Figure(f"{stem}-timing", "Late frames a trial.", drawn.svg)
+
+
+def _round_counts(most: int) -> list[int]:
+    """Round numbers of trials from 0 up to `most`, few enough for an axis."""
+    if most <= LINEAR_UP_TO // 2:
+        return list(range(most + 1))
+    steps = [step * 10**power for power in range(1, 7) for step in (1, 2, 5)]
+    return [0, 5, *(step for step in steps if step <= most)]

@@ -31,7 +31,7 @@ def beside_section(context: Context, found: list[Supplement]) -> Section:
         }
     )
     findings = tuple(
-        f"The Weber fraction d/k of {entry.side} blends is {number(entry.weber_fraction)}."
+        f"The Weber fraction d/k of {entry.side} blends is {number(abs(entry.weber_fraction))}."
         for entry in found
         if entry.motion == ALL and entry.weber_fraction is not None
     )

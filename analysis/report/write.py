@@ -212,10 +212,11 @@ def render(reports: list[StudyReport], notes: list[str]) -> str:
     studies = sum("protocol" in report.document for report in reports)
     subtitle = f"{count(studies, 'study', 'studies')}, {count(trials, 'trial')} analysed"
     if notes:
-        subtitle += f"; {count(len(notes), 'file')} could not be read (named in report.json)"
+        subtitle += f"; {count(len(notes), 'file')} could not be read"
     return environment.get_template("page.html").render(
         title="How the transitions were seen",
         subtitle=subtitle,
+        unread=notes,
         studies=reports,
         footer="Written by Segue. Numbers behind every figure: tables/ and report.json.",
     )

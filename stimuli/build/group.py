@@ -117,6 +117,7 @@ def _planned(
         "specification": spec.specification,
         "length": clip.transition.frames,
         "smooth": spec.smooth,
+        "foot_lock": spec.foot_lock,
         "transition_frame": clip.at,
         "mixed": list(clip.mixed),
         "first_altered": clip.altered,

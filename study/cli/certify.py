@@ -30,6 +30,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
+    from datetime import UTC, datetime
+
     from stimuli.errors import InputError
     from stimuli.motion import Library, motion_directories
     from study.cli.designs import Job, Options, certificate
@@ -48,7 +50,8 @@ def run(args: argparse.Namespace) -> int:
     ]
     studies = _all(jobs, args.workers)
     options = Options(args.seed, tuple(args.effect or ()), args.stimuli)
-    entry = certificate(protocol, lengths, studies, people, options)
+    created = datetime.now(UTC).isoformat(timespec="seconds")
+    entry = certificate(protocol, lengths, studies, people, options) | {"created": created}
     _write(args.out, protocol.hash, entry)
     if args.json:
         print_json(entry)

@@ -57,15 +57,14 @@ def simulated_trials(
     """The counted trials of all people of one study, and each session's minutes and trials."""
     import pandas as pd
 
+    from study.duration import minutes_of
     from study.simulate import plan_of, rows
 
     tables, minutes, counts = [], [], []
     for person in range(job.people):
         table = pd.DataFrame(list(rows(plan_of(protocol, job.references, job.seed, person))))
         table["participant"] = f"p{person + 1:03d}"
-        span = float(table["onset"].iloc[-1] - table["onset"].iloc[0])
-        each = span / max(len(table) - 1, 1)
-        minutes.append((span + each) / 60)
+        minutes.append(minutes_of(table["onset"].tolist()))
         counts.append(float(len(table)))
         tables.append(table[(table["phase"] == "main") & ~table["void"].astype(bool)])
     whole = pd.concat(tables, ignore_index=True)
@@ -153,7 +152,7 @@ def _odd_pair_part(
             "power": difference_power(effect, sd, people, n, alpha) if sd else None,
         }
         for effect in options.effects or FRAMES
-        for n in PEOPLE
+        for n in _numbers(protocol, people)
     ]
     effect = (options.effects or FRAMES[1:2])[0]
     by_people = {row["participants"]: row["power"] or 0.0 for row in power
@@ -167,6 +166,14 @@ def _odd_pair_part(
         "recommended_participants": fewest(by_people, POWER),
         "recommended_for": f"power {POWER:g} for a difference of {effect:g} frames",
     }
+
+
+def _numbers(protocol: "Protocol", people: int) -> list[int]:
+    """Numbers of people to give the power for: the protocol's own among them.
+
+    One person alone has no spread to test against.
+    """
+    return sorted({*PEOPLE, *(n for n in (people, protocol.file.participants) if n > 1)})
 
 
 def exact_targets(protocol: "Protocol", references: dict[str, int]) -> list[dict[str, Any]]:
@@ -233,7 +240,7 @@ def _preference_part(
             ),
         }
         for share in options.effects or SHARES
-        for n in PEOPLE
+        for n in _numbers(protocol, people)
     ]
     share = (options.effects or SHARES[2:3])[0]
     by_people = {row["participants"]: row["power"] for row in power if row["effect"] == share}

@@ -9,6 +9,7 @@ from study.cli.common import add_motions_option, print_json, progress
 
 if TYPE_CHECKING:
     from stimuli.build import Manifest
+    from study.duration import Duration
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -33,27 +34,39 @@ def run(args: argparse.Namespace) -> int:
     from stimuli.build import build, prune, resolve
     from stimuli.errors import InputError
     from stimuli.motion import Library, motion_directories
+    from study.duration import session_duration
     from study.protocol import load
-    from study.sets import set_spec
+    from study.rendered import SETS
+    from study.sets import references_of_manifest, set_spec
 
     if args.workers is not None and args.workers < 1:
         raise InputError(f"--workers: expected 1 or more, found {args.workers}")
     protocol = load(args.protocol)
     library = Library(motion_directories(args.motions))
     spec = set_spec(protocol, args.set_name, library)
-    out = args.out or Path("stimulus-sets") / protocol.name
+    out = args.out or SETS / protocol.name
     if args.dry_run:
-        return _dry_run(args, spec, library, out, resolve(spec, library))
+        resolved = resolve(spec, library)
+        lengths = {p.name: p.reference_length for p in resolved if p.reference_length is not None}
+        return _dry_run(args, spec, library, out, resolved, session_duration(protocol, lengths))
     with progress(None, "rendering") as step:
         manifest = build(spec, library, out, workers=args.workers, progress=step)
     pruned = prune(manifest) if args.prune else 0
     if args.strips:
         _write_strips(manifest)
-    _tell(args, manifest, pruned)
+    duration = session_duration(protocol, references_of_manifest(protocol, manifest))
+    _tell(args, manifest, pruned, duration)
     return 0
 
 
-def _dry_run(args: argparse.Namespace, spec: Any, library: Any, out: Path, resolved: Any) -> int:
+def _dry_run(
+    args: argparse.Namespace,
+    spec: Any,
+    library: Any,
+    out: Path,
+    resolved: Any,
+    duration: "Duration",
+) -> int:
     from stimuli.build import inventory
 
     would = inventory(spec, library, out)
@@ -71,6 +84,7 @@ def _dry_run(args: argparse.Namespace, spec: Any, library: Any, out: Path, resol
             }
             for pairing in resolved
         },
+        "session": _session(duration),
     }
     if args.json:
         print_json(document)
@@ -78,10 +92,17 @@ def _dry_run(args: argparse.Namespace, spec: Any, library: Any, out: Path, resol
     print(f"{out}: {would.wanted} clips, {len(would.missing)} of them to render")
     for pairing in resolved:
         print(f"  {pairing.name}: {_lengths(pairing.methods, pairing.lengths)}")
+    print(duration.told())
     return 0
 
 
-def _tell(args: argparse.Namespace, manifest: "Manifest", pruned: int) -> None:
+def _session(duration: "Duration") -> dict[str, Any]:
+    return {"trials": duration.trials, "minutes": round(duration.minutes, 1)}
+
+
+def _tell(
+    args: argparse.Namespace, manifest: "Manifest", pruned: int, duration: "Duration"
+) -> None:
     from stimuli.build import stale_clips
 
     stale = len(stale_clips(manifest))
@@ -95,12 +116,14 @@ def _tell(args: argparse.Namespace, manifest: "Manifest", pruned: int) -> None:
                 "stale": stale,
                 "pruned": pruned,
                 "pairings": manifest.pairings,
+                "session": _session(duration),
             }
         )
         return
     print(f"{manifest.directory}: {len(manifest.clips)} clips, {manifest.rendered} rendered now")
     for name, pairing in manifest.pairings.items():
         print(f"  {name}: {_lengths(pairing['methods'], pairing['lengths'])}")
+    print(duration.told())
     if stale:
         print(
             f"{stale} clips of earlier builds are kept, since records may refer to them; "

@@ -1,6 +1,7 @@
 """`segue report`: session records in, a statistical report out."""
 
 import argparse
+import sys
 from pathlib import Path
 
 
@@ -22,6 +23,8 @@ def run(args: argparse.Namespace) -> int:
     from analysis.report import write_report
 
     written = write_report(args.data, args.out, args.seed, args.second_opinion)
+    for note in written.document["unread"]:
+        print(f"segue report: not read: {note}", file=sys.stderr)
     if args.json:
         from analysis.report.write import clean
         from study.cli.common import print_json

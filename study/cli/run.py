@@ -1,6 +1,7 @@
 """`segue run`: one session with one participant."""
 
 import argparse
+import shlex
 import sys
 from pathlib import Path
 from typing import Any
@@ -35,7 +36,9 @@ def run(args: argparse.Namespace) -> int:
     from stimuli.errors import InputError
     from study.lab import Request, check, run_session
     from study.protocol import load
+    from study.rendered import check_rendered
     from study.screen.virtual import has_screen
+    from study.sets import references_of_manifest
     from study.stage import Left
 
     protocol = load(args.protocol)
@@ -57,12 +60,13 @@ def run(args: argparse.Namespace) -> int:
             "run it on the lab's machine, or under `xvfb-run` for a trial of the set-up"
         )
     manifest = _stimuli(args, protocol)
+    check_rendered(protocol, manifest, args.rehearsal)
+    _tell_before(args, protocol, references_of_manifest(protocol, manifest))
     _ask_person(args)
     try:
         record = run_session(request, protocol, manifest, lambda record: _resume(args, record))
     except Left:
-        print(f"left; go on with: segue run {args.protocol} --participant {args.participant} "
-              f"--data {args.data} --resume", file=sys.stderr)  # fmt: skip
+        print(f"left; go on with: {_resume_command(args)}", file=sys.stderr)
         return 1
     _ask_comments(args)
     print(f"record: {record.path}")
@@ -72,18 +76,66 @@ def run(args: argparse.Namespace) -> int:
 def _stimuli(args: argparse.Namespace, protocol: Any) -> Any:
     """The stimulus set; a rehearsal's short one is built on the way."""
     from stimuli.build import build, load_manifest
+    from stimuli.errors import InputError
     from stimuli.motion import Library, motion_directories
+    from study.rendered import SETS, render_command
     from study.sets import set_spec
 
     if args.stimuli is not None:
         return load_manifest(args.stimuli)
     if not args.rehearsal:
-        return load_manifest(Path("stimulus-sets") / protocol.name)
+        folder = SETS / protocol.name
+        if not folder.is_dir():
+            raise InputError(
+                f"{folder}: expected the stimulus set of {protocol.name}, found none;\n"
+                f"run `{render_command(protocol)}`, or name another set with --stimuli"
+            )
+        return load_manifest(folder)
     library = Library(motion_directories(args.motions))
     spec = set_spec(protocol, None, library, rehearsal=True)
-    folder = Path("stimulus-sets") / f"{protocol.name}-rehearsal"
+    folder = SETS / f"{protocol.name}-rehearsal"
     with progress(None, "rendering") as step:
         return build(spec, library, folder, progress=step)
+
+
+def _tell_before(args: argparse.Namespace, protocol: Any, references: dict[str, int]) -> None:
+    """How long it will take, and that it is one run more of somebody who has finished one."""
+    from study.dataset import finished_runs, runs, unfinished
+    from study.duration import session_duration
+
+    pending = None
+    if not args.restart:  # which reads nothing of the run that it leaves
+        pending = unfinished(args.data, args.participant, protocol, args.rehearsal)
+    done = finished_runs(args.data, args.participant, protocol.label, args.rehearsal)
+    if done and pending is None:
+        number = max(runs(args.data, args.participant, protocol.label)) + 1
+        kind = "rehearsal" if args.rehearsal else "run"
+        print(
+            f"{args.participant} has a finished {kind} of {protocol.name} already "
+            f"(run {', '.join(map(str, done))}); this is run {number}",
+            file=sys.stderr,
+        )
+    duration = session_duration(protocol, references, args.rehearsal)
+    print(duration.told(args.pace), file=sys.stderr)
+
+
+def _resume_command(args: argparse.Namespace) -> str:
+    """The command that goes on with this session as it began, ready to paste."""
+    words = ["segue", "run", args.protocol, "--participant", args.participant]
+    words += ["--data", str(args.data)]
+    if args.stimuli is not None:
+        words += ["--stimuli", str(args.stimuli)]
+    for option, value, usual in (
+        ("--screen", args.screen, 0),
+        ("--observer", args.observer, "human"),
+        ("--pace", args.pace, 1.0),
+    ):
+        if value != usual:
+            words += [option, f"{value:g}" if isinstance(value, float) else str(value)]
+    words += [f"--{flag}" for flag in ("windowed", "rehearsal") if getattr(args, flag)]
+    for directory in args.motions or ():
+        words += ["--motions", str(directory)]
+    return shlex.join([*words, "--resume"])
 
 
 def _resume(args: argparse.Namespace, record: Any) -> bool:

@@ -1,6 +1,7 @@
 """`segue certify`: figures of a design, and the report that quotes them."""
 
 import json
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,11 @@ import pytest
 
 from analysis.certificate import difference_power, fewest, preference_power
 from analysis.design import balance, telltale
+from analysis.record import read
 from analysis.report import write_report
+from analysis.report.certificate_part import certificate_section
+from analysis.report.context import Context
+from analysis.screening import screen
 from study.cli import main
 from tests.analysis import records
 
@@ -67,6 +72,9 @@ def test_odd_pair(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     ]  # fmt: skip
     assert all(0.6 < row["target"] < 0.8 for row in entry["staircases"])
     assert [row["side"] for row in entry["thresholds"]] == ["shorter", "longer"]
+    assert {3, 6, 12} <= {row["participants"] for row in entry["power"]}
+    age = datetime.now(UTC) - datetime.fromisoformat(entry["created"])
+    assert timedelta(0) <= age < timedelta(minutes=5)
     written = json.loads((tmp_path / "certificate.json").read_text())
     assert written[entry["protocol_hash"]] == entry
 
@@ -108,7 +116,72 @@ def test_the_report_quotes_the_certificate(
     )
     written = write_report([data])
     assert written.document["studies"][0]["certificate"] == entry
-    assert "Certified before the data (2 simulated studies" in written.page.read_text()
+    page = written.page.read_text()
+    assert "Certified (2 simulated studies of 3 people)" in page
+    assert "before the data" not in page.split("What the design can show")[1][:900]
+
+
+HELD = {
+    "created": "2026-03-01T12:00:00+00:00",
+    "participants": 6,
+    "simulated_sets": 9,
+    "power_of": "telling two thresholds apart",
+    "power": [
+        {"effect": effect, "participants": n, "power": effect * n / 100}
+        for effect in (1.0, 2.0)
+        for n in (6, 12, 18)
+    ],
+    "recommended_participants": 18,
+    "recommended_for": "power 0.8 for a difference of 2 frames",
+}
+
+
+def quoted(tmp_path: Path, held: dict, *, participants: int = 12, **sidecar: object) -> str:
+    """What a report says of the certificate `held`."""
+    rng = np.random.default_rng(0)
+    (tmp_path / "certificate.json").write_text(json.dumps({"mark": held}))
+    protocol = records.odd_pair_protocol(participants=participants)
+    rows = {"a": records.odd_pair_rows(rng)}
+    data = records.write_dataset(
+        tmp_path / "data", protocol, rows, **{"ProtocolHash": "mark", **sidecar}
+    )
+    study, notes = read([data])
+    assert notes == []
+    context = Context(study[0], screen(study[0]), certificates={"mark": held})
+    return " ".join(certificate_section(context).text)
+
+
+@pytest.mark.parametrize(
+    ("created", "flip", "said"),
+    [
+        (HELD["created"], 1772409600.0, "Certified before the data (9"),
+        (HELD["created"], 1772323200.0, "Certified after the first session of the data (9"),
+        (HELD["created"], None, "Certified (9"),
+        (None, 1772409600.0, "Certified (9"),
+        ("yesterday", 1772409600.0, "Certified (9"),
+        ("2026-03-01T12:00:00", 1772409600.0, "Certified (9"),
+    ],
+)
+def test_when_it_was_certified_is_said_only_where_it_is_known(
+    created: str | None, flip: float | None, said: str, tmp_path: Path
+) -> None:
+    sidecar = {} if flip is None else {"FirstFlip": flip}
+    assert quoted(tmp_path, HELD | {"created": created}, **sidecar).startswith(said)
+
+
+def test_the_power_quoted_is_that_of_the_protocols_own_people(tmp_path: Path) -> None:
+    told = quoted(tmp_path, HELD)
+    assert "18 people are recommended (power 0.8 for a difference of 2 frames)" in told
+    assert (
+        "with 12 people the power of telling two thresholds apart is .12 for an effect of 1 and "
+        ".24 for an effect of 2." in told
+    )
+    assert "with 6 people" in quoted(tmp_path, HELD, participants=7)
+    assert "with" not in quoted(
+        tmp_path, {"participants": 7, "power": HELD["power"]}, participants=7
+    )
+    none = HELD | {"recommended_participants": None}
+    assert "more people than could be tried are recommended" in quoted(tmp_path, none)
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """The parts of the report that only some studies have."""
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,8 @@ from analysis.mixed import Mixed
 from analysis.preferences import Contest
 from analysis.report import Written, write_report
 from analysis.report.preference_part import mixed_sentence
+from analysis.report.study_parts import _round_counts
+from study.cli import main
 from tests.analysis import records
 
 CLIPS = [f"{number:064x}" for number in range(20)]
@@ -184,6 +187,12 @@ def test_late_frames_have_a_figure_and_methods_a_paragraph(tmp_path: Path) -> No
     )
     page = written.page.read_text()
     assert "Late frames a trial." in page
+    assert "mathdefault" not in page
+    assert "$" not in page
+    assert ">10</text>" in page
+    late, worst = sum(n % 3 for n in range(len(rows))), 2
+    cells = "".join(f"<td>{n}</td>" for n in (len(rows), late, worst))
+    assert cells in page.replace(' class="words"', "")
     methods = written.document["studies"][0]["methods"]
     assert "a transformed up-down staircase (2 down, 1 up" in methods
     assert "a level had been answered 10 times" in methods
@@ -285,3 +294,72 @@ def test_the_tables_tell_nothing_of_a_denied_fit_that_the_document_does_not(
     page = written.page.read_text()
     assert "Most visited" in page
     assert "Last level" not in page
+
+
+def test_counts_of_an_axis_are_whole_and_round() -> None:
+    assert _round_counts(3) == [0, 1, 2, 3]
+    assert _round_counts(60) == [0, 5, 10, 20, 50]
+
+
+def test_one_trial_was_shown_in_time(tmp_path: Path) -> None:
+    rows = records.odd_pair_rows(np.random.default_rng(0))[:1]
+    data = records.write_dataset(tmp_path, records.odd_pair_protocol(), {"a": rows})
+    assert "1 of 1 trial was shown without a late frame" in write_report([data]).page.read_text()
+
+
+def test_a_weber_fraction_has_no_sign(jnd: Path, tmp_path: Path) -> None:
+    text = " ".join(write_report([jnd], tmp_path).document["studies"][0]["text"])
+    fractions = re.findall(r"Weber fraction d/k of (\w+) blends is (\S+)\.(?: |$)", text)
+    assert [side for side, _ in fractions] == ["shorter", "longer"]
+    assert all(0 < float(value) < 2 for _, value in fractions)
+
+
+def test_intervals_stay_on_one_line(study_one: Path, tmp_path: Path) -> None:
+    page = write_report([study_one], tmp_path).page.read_text()
+    assert '<th scope="col">95% interval</th>' in page
+    assert re.search(r"<td>[\d.]+ to [\d.]+</td>", page)
+
+
+def test_the_footnote_on_thresholds_stands_by_thresholds_only(
+    study_one: Path, jnd: Path, tmp_path: Path
+) -> None:
+    footnote = "thresholds are printed without a proportion"
+    for data, stands in ((study_one, False), (jnd, True)):
+        page = write_report([data], tmp_path / data.name).page.read_text()
+        assert "Beside the dissertation" in page
+        assert (footnote in page) == stands
+
+
+@pytest.mark.parametrize(
+    ("people", "motions", "said"),
+    [
+        (12, 8, "With people and motions as random effects the log odds"),
+        (12, 1, "Without random effects, which these answers cannot tell, the log odds"),
+        (1, 8, "Without random effects, which these answers cannot tell, the log odds"),
+    ],
+)
+def test_the_random_effects_named_are_those_fitted(
+    people: int, motions: int, said: str, tmp_path: Path
+) -> None:
+    answers = people * motions
+    sessions = records.counted_preferences(answers * 5 // 8, people, motions)
+    data = records.write_dataset(tmp_path, records.preference_protocol(), sessions)
+    text = " ".join(write_report([data]).document["studies"][0]["text"])
+    assert said in text
+    assert "of nothing" not in text
+    assert ("random intercepts of" in text) == said.startswith("With ")
+
+
+def test_files_that_cannot_be_read_are_named(
+    study_one: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    stranger = tmp_path / "stranger.csv"
+    stranger.write_text("a,b\n1,2\n")
+    out = tmp_path / "out"
+    assert main(["report", str(study_one), str(stranger), "--out", str(out)]) == 0
+    told = capsys.readouterr()
+    assert told.out == f"{out / 'report.html'}\n"
+    assert f"{stranger}: expected the columns of a record" in told.err
+    page = (out / "report.html").read_text()
+    assert f"{stranger}: expected the columns of a record" in page
+    assert "1 file could not be read" in page

@@ -1,6 +1,7 @@
 """Protocols: the shipped ones are sound, and every fault is reported at once with its place."""
 
 import re
+from pathlib import Path
 
 import pytest
 
@@ -65,7 +66,12 @@ def test_three_faults_are_three_lines_with_places() -> None:
     ("change", "path", "word"),
     [
         (('task = "odd-pair"', 'task = "odd"'), "task", "odd-pair, preference"),
-        (("reference = 10", "refrence = 10"), "stimuli.refrence", "reference"),
+        (("reference = 10", "refrence = 10"), "stimuli.refrence", "mean reference"),
+        (("frame = 1 }", "fram = 1 }"), "sets.sample.a.fram", "mean frame"),
+        (('from = "a"', 'frm = "a"'), "stimuli.motions.0.frm", "mean from"),
+        (("stop = { visits", "stop = { visit"), "staircase.stop.visit", "mean visits"),
+        (("[staircase]", "rle = 1\n[staircase]"), "sets.sample.rle", "found 1"),
+        (("task =", "rule = 1\ntask ="), "rule", "remove it"),
         (("frame = 1 }", "frame = -1 }"), "sets.sample.a.frame", "greater than or equal to 0"),
         (("n_down = 2", "down = 2"), "staircase.down", "takes no down"),
         (("stop = { visits = 10 }", "stop = {}"), "staircase.stop", "visits, reversals or trials"),
@@ -125,3 +131,44 @@ def test_an_unknown_name_lists_the_shipped() -> None:
 )
 def test_lines_are_found_by_key(path: tuple[str | int, ...], line: int | None) -> None:
     assert find_line(GOOD, path) == line
+
+
+INLINE = """
+[sets.sample]
+run = { clip = "y", fram = 2 }  # fram = 9
+walk = { clip = "x", frame = 2 }
+motions = [
+    { name = "m" },
+    { name = "n" },
+]
+from = 3
+[[sets.more]]
+name = "a"
+[[sets.more]]
+name = "b"
+"""
+
+
+@pytest.mark.parametrize(
+    ("path", "line"),
+    [
+        (("sets", "sample", "run", "frame"), 3),
+        (("sets", "sample", "run", "fram"), 3),
+        (("sets", "sample", "walk", "frame"), 4),
+        (("sets", "sample", "motions", 0, "name"), 6),
+        (("sets", "sample", "motions", 1, "name"), 7),
+        (("sets", "sample", "motions", 0, "from"), 6),
+        (("sets", "more", 1, "name"), 13),
+        (("sets", "more", 1, "zzz"), 12),
+    ],
+)
+def test_a_key_is_looked_for_in_its_own_inline_table(
+    path: tuple[str | int, ...], line: int
+) -> None:
+    assert find_line(INLINE, path) == line
+
+
+def test_a_protocol_saved_by_notepad_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "p.toml"
+    path.write_bytes(b"\xef\xbb\xbf" + GOOD.replace("\n", "\r\n").encode())
+    assert load(path).name == "small"

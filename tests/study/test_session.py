@@ -253,6 +253,15 @@ def test_simulation_into_records_is_byte_for_byte_the_same(tmp_path: Path) -> No
     assert more[0].name.startswith("sub-sim004")
 
 
+def test_a_simulated_person_is_the_same_whoever_came_before(tmp_path: Path) -> None:
+    protocol = load("jnd-center")
+    whole = simulate(protocol, REFERENCES, 4, 8, tmp_path / "whole")
+    simulate(protocol, REFERENCES, 2, 8, tmp_path / "parts")
+    later = simulate(protocol, REFERENCES, 2, 8, tmp_path / "parts")
+    assert [path.read_bytes() for path in later] == [path.read_bytes() for path in whole[2:]]
+    assert later[0].read_bytes() != whole[0].read_bytes()
+
+
 def test_a_rehearsal_takes_one_motion_and_short_tracks() -> None:
     table = list(rows(jnd_plan(2, rehearsal=True)))
     assert {row["motion"] for row in table} == {"locomotion"}
@@ -263,12 +272,13 @@ def test_restart_needs_nothing_of_the_run_that_it_leaves(tmp_path: Path) -> None
     protocol = load("jnd-center")
     folder = tmp_path / "set"
     folder.mkdir()
-    clip = SimpleNamespace(hash="h", document={}, path=tmp_path / "clip")
+    clip = SimpleNamespace(hash="h", document={}, path=tmp_path / "clip", motion="dance")
     clip.path.touch()
     pairings = {name: {"reference_length": k} for name, k in REFERENCES.items()}
     manifest = SimpleNamespace(
-        directory=folder, hash="s", clips=[clip], clip=lambda *_, **__: clip, pairings=pairings
-    )
+        directory=folder, name=protocol.name, hash="s", clips=[clip], clip=lambda *_, **__: clip,
+        pairings=pairings, specification="center-aligned", seconds=6.0,
+    )  # fmt: skip
     left = record_path(tmp_path, "p1", protocol.label, 1)
     create(left, tuple(COMMON), {}).sidecar_path.unlink()
     request = Request("p1", tmp_path, observer="simulated", seed=1, restart=True)

@@ -67,6 +67,12 @@ def test_without_motions_the_observers_reference_stands_in() -> None:
     assert set(references(load("jnd-start-end"), None).values()) == {15}
 
 
+def test_a_set_that_is_not_there_is_refused_even_where_no_clip_is_needed() -> None:
+    for text in (load("jnd-center"), parse(BY_GEODESIC)):
+        with pytest.raises(InputError, match=r"one of the sets .*found 'mine'"):
+            references(text, None, "mine")
+
+
 def test_every_clip_that_a_session_may_show_is_asked_for(library: Library) -> None:
     plan = make_plan(parse(BY_GEODESIC), {"m": 9}, 1)
     assert set(clips_of(plan)) == {ClipKey("m", length=k) for k in (9, 8, 10, 11)}
