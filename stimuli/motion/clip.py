@@ -104,7 +104,7 @@ def _reader(path: Path) -> Callable[[Path, bytes, float | None], Source]:
 def _conform(path: Path, source: Source, said: Overrides) -> tuple[Motion, dict[str, Any]]:
     """The motion in metres, +Y up, at the working rate, and what was decided on the way."""
     given, doubts = roles_given(said, path, source.names)
-    notes = [*source.warnings, *said.warnings, *doubts]
+    notes = [*source.warnings, *doubts]
     source, dropped = _without_rest_poses(source)
     if dropped:
         notes.append(f"{dropped} inserted rest pose{'s' * (dropped > 1)} dropped at the start")

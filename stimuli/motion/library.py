@@ -3,6 +3,7 @@
 import os
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from stimuli.motion.formats import READERS
 from stimuli.motion.overrides import OVERRIDES
 
 _SNIFFED = {".txt", ".json"}  # suffixes that other files carry too
+_LONGEST_SHOWN = 400  # letters of a name in a message
 _NEVER_FOUND = {".asf", ".c3d"}  # formats that are always refused are no clips to be named
 
 
@@ -58,6 +60,7 @@ class Library:
         if len(found) == 1:
             return found[0]
         places = ", ".join(str(directory) for directory in self.directories) or "no directory"
+        name = _shown(name)
         if found:
             listed = ", ".join(str(p) for p in found[:6])
             raise InputError(
@@ -71,11 +74,28 @@ class Library:
         )
 
     def load(self, name: str | Path) -> Clip:
-        """The clip of that path or stem, read once."""
+        """The clip of that path or stem, read once under whatever name.
+
+        Copies of a file share one motion unless overrides tell them apart.
+        """
         path = self.find(name)
-        if path not in self._clips:
-            self._clips[path] = load(path)
-        return self._clips[path]
+        key = path.resolve()
+        if key not in self._clips:
+            self._clips[key] = self._sharing(load(path))
+        return self._clips[key]
+
+    def _sharing(self, clip: Clip) -> Clip:
+        """The clip, with the motion of a copy of its file where that is no other."""
+        for other in self._clips.values():
+            if other.sha256 == clip.sha256 and other.motion.same_as(clip.motion):
+                return replace(clip, motion=other.motion)
+        return clip
+
+
+def _shown(name: str | Path) -> str:
+    """A name as messages show it, cut where no file's could go on."""
+    text = str(name)
+    return text if len(text) <= _LONGEST_SHOWN else f"{text[:_LONGEST_SHOWN]}…"
 
 
 def _is_called(path: Path, name: Path) -> bool:

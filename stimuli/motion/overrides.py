@@ -6,13 +6,15 @@ rule over them. It is checked whole, whichever clip is being read.
 
 import reprlib
 import tomllib
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from numbers import Real
 from pathlib import Path
 from typing import Any
 
-from stimuli.errors import InputError
+from stimuli.errors import InputError, InputWarning
 from stimuli.motion.formats.source import FASTEST, SLOWEST, is_rate
 from stimuli.motion.roles import ROLES
 from stimuli.motion.units import UPRIGHT
@@ -30,7 +32,7 @@ class Overrides:
     """Settings of one clip; "auto" leaves to the file what it tells.
 
     `roles` (role → joint) are meant for this clip, `usual_roles` for all clips of a directory,
-    some of which may lack such a joint. `warnings` are of the file that says so.
+    some of which may lack such a joint.
     """
 
     scale: float | str
@@ -38,7 +40,6 @@ class Overrides:
     fps: float | None
     roles: Mapping[str, str]
     usual_roles: Mapping[str, str]
-    warnings: tuple[str, ...] = ()
 
 
 def overrides_for(
@@ -51,10 +52,11 @@ def overrides_for(
     """
     beside = path.parent / OVERRIDES
     usual = given is None and beside.is_file()
-    document, where = _document(beside if usual else given)
-    _refuse(where, _faults_of_document(document))
+    document = _document(beside if usual else given)
     _refuse(str(path), _faults(arguments))
     clips = document.get("clips", {})
+    if usual and clips:
+        _warn_of_strangers(beside, _state(beside), _state(path.parent))
     own = [clips[name] for name in (path.stem, path.name) if name in clips]
     layers = [document, *own, {k: v for k, v in arguments.items() if v != AUTO}]
     said = {key: value for layer in layers for key, value in layer.items()}
@@ -67,7 +69,6 @@ def overrides_for(
         fps=None if fps == AUTO else float(fps),
         roles=roles if usual else general | roles,
         usual_roles={k: v for k, v in general.items() if k not in roles} if usual else {},
-        warnings=_strangers(path.parent, clips) if usual else (),
     )
 
 
@@ -90,14 +91,36 @@ def roles_given(
     return kept | dict(overrides.roles), notes if absent else []
 
 
-def _document(given: Path | Mapping[str, Any] | None) -> tuple[Mapping[str, Any], str]:
-    """The settings, and what to call the place that they stand in."""
+def _document(given: Path | Mapping[str, Any] | None) -> Mapping[str, Any]:
+    """The settings, all of them sound."""
     if given is None or isinstance(given, Mapping):
-        return given or {}, "overrides"
+        _refuse("overrides", _faults_of_document(given or {}))
+        return given or {}
     try:
-        return tomllib.loads(Path(given).read_text(encoding="utf-8")), str(given)
-    except (OSError, ValueError, RecursionError) as error:
-        raise InputError(f"{given}: expected a TOML file of overrides, found {error}.") from None
+        return _parsed(Path(given), _state(Path(given)))
+    except OSError as error:
+        raise _unreadable(given, error) from None
+
+
+@lru_cache(maxsize=64)
+def _parsed(path: Path, state: tuple[int, ...]) -> Mapping[str, Any]:
+    """The settings of a file in that state: read once for all the clips beside it."""
+    try:
+        document = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (ValueError, RecursionError) as error:
+        raise _unreadable(path, error) from None
+    _refuse(str(path), _faults_of_document(document))
+    return document
+
+
+def _state(path: Path) -> tuple[int, ...]:
+    """What changes when a file or directory does."""
+    found = path.stat()
+    return found.st_dev, found.st_ino, found.st_mtime_ns, found.st_size
+
+
+def _unreadable(path: Path, error: Exception) -> InputError:
+    return InputError(f"{path}: expected a TOML file of overrides, found {error}.")
 
 
 def _refuse(where: str, faults: list[str]) -> None:
@@ -173,8 +196,13 @@ def _unlike(place: str, expected: str, found: Any) -> str:
     return f"{place}: expected {expected}, found {reprlib.repr(found)}"
 
 
-def _strangers(directory: Path, clips: Mapping[str, Any]) -> tuple[str, ...]:
-    """A warning when a table's name is no clip's: it would be without effect, in silence."""
-    there = {name for path in directory.iterdir() for name in (path.stem, path.name)}
-    absent = [name for name in clips if name not in there]
-    return (f"{OVERRIDES} names clips that are not there: {', '.join(absent)}",) if absent else ()
+@lru_cache(maxsize=64)
+def _warn_of_strangers(path: Path, state: tuple[int, ...], of_directory: tuple[int, ...]) -> None:
+    """InputWarning when a table's name is no clip's: it would be without effect, in silence.
+
+    Said of a file once, not with each of the clips beside it; again when either has changed.
+    """
+    there = {name for found in path.parent.iterdir() for name in (found.stem, found.name)}
+    if absent := [name for name in _parsed(path, state).get("clips", {}) if name not in there]:
+        told = f"{path} names clips that are not there: {', '.join(absent)}"
+        warnings.warn(told, InputWarning, stacklevel=2)

@@ -193,7 +193,9 @@ def continuous(q: Array) -> Array:
     """Signs chosen along axis 0 so that successive quaternions (F, ..., 4) lie near each other."""
     dots = np.vecdot(q[1:], q[:-1])
     flips = np.cumprod(np.where(dots < 0, -1.0, 1.0), axis=0)
-    return np.concatenate([q[:1], q[1:] * flips[..., None]])
+    chosen = q.copy()
+    chosen[1:] *= flips[..., None]
+    return chosen
 
 
 def angular_velocity(q: Array) -> Array:

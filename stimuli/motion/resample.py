@@ -5,6 +5,8 @@ import numpy as np
 from stimuli.motion import quaternions as quat
 from stimuli.motion.quaternions import Array
 
+_AT_ONCE = 200_000  # rotations mixed in one go, which takes some twenty times their own memory
+
 
 def sampled(rotations: Array, root: Array, places: Array) -> tuple[Array, Array]:
     """Poses at fractional frames `places` (N,), each within 0 … F−1: (N, J, 4) and (N, 3)."""
@@ -13,7 +15,10 @@ def sampled(rotations: Array, root: Array, places: Array) -> tuple[Array, Array]
     part = places - before
     if np.all(part == 0):
         return rotations[before], root[before]
-    mixed = quat.slerp(rotations[before], rotations[after], part[:, None])
+    mixed = np.empty((len(places), *rotations.shape[1:]))
+    step = max(1, _AT_ONCE // rotations.shape[1])
+    for some in (slice(first, first + step) for first in range(0, len(places), step)):
+        mixed[some] = quat.slerp(rotations[before[some]], rotations[after[some]], part[some, None])
     return mixed, root[before] + part[:, None] * (root[after] - root[before])
 
 

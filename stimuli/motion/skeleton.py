@@ -61,6 +61,16 @@ class Skeleton:
         """Whether joints have the same names and parents in the same order."""
         return self.names == other.names and np.array_equal(self.parents, other.parents)
 
+    def same_as(self, other: "Skeleton") -> bool:
+        """Whether nothing tells the two apart: hierarchy, bones, end sites and roles."""
+        return self is other or (
+            self.same_hierarchy(other)
+            and np.array_equal(self.offsets, other.offsets)
+            and np.array_equal(self.end_parents, other.end_parents)
+            and np.array_equal(self.end_offsets, other.end_offsets)
+            and self.roles == other.roles
+        )
+
 
 def children_of(parents: np.ndarray) -> list[list[int]]:
     """The joints that hang on each joint, in their own order."""
@@ -96,6 +106,15 @@ class Cycle:
     rotations: Array
     root: Array
 
+    def same_as(self, other: "Cycle") -> bool:
+        """Whether nothing tells the two apart."""
+        return self is other or (
+            (self.period, self.yaw) == (other.period, other.yaw)
+            and np.array_equal(self.shift, other.shift)
+            and np.array_equal(self.root, other.root)
+            and np.array_equal(self.rotations, other.rotations)
+        )
+
 
 @dataclass(frozen=True, eq=False)
 class Motion:
@@ -118,6 +137,23 @@ class Motion:
     def __getitem__(self, frames: slice) -> "Motion":
         """Some of the frames; a part of a loop is no loop."""
         return Motion(self.skeleton, self.rotations[frames], self.root[frames], self.fps)
+
+    def same_as(self, other: "Motion") -> bool:
+        """Whether nothing tells the two apart, as when one file was read twice.
+
+        Most pairs differ in length or in where the root stands, which is asked first.
+        """
+        if self is other:
+            return True
+        if len(self) != len(other) or self.fps != other.fps or self.loop != other.loop:
+            return False
+        return (
+            np.array_equal(self.root[:1], other.root[:1])
+            and np.array_equal(self.root, other.root)
+            and self.skeleton.same_as(other.skeleton)
+            and np.array_equal(self.rotations, other.rotations)
+            and (self.cycle is None or other.cycle is None or self.cycle.same_as(other.cycle))
+        )
 
     @property
     def seconds(self) -> float:

@@ -18,6 +18,7 @@ from stimuli.transition.weights import Weights
 from stimuli.transition.window import LONGEST, specified
 
 _MANY = 1_000_000  # cells; below, loading the compiler costs more than it saves
+_ROUNDING = 1e-14  # of the largest sum: means that differ by less, as sums round, are tied
 _STRIP = 256  # cells whose best stays in a core's nearest memory over all lengths
 # For each piece: its length b, where it starts and how many cells it has, from (i, j)
 Pieces = tuple[tuple[int, int, int, int], ...]
@@ -40,8 +41,9 @@ def lengths_of(distance: np.ndarray, specification: str) -> tuple[np.ndarray, Ar
     frames = np.zeros(distance.shape, dtype=np.int64)
     least = np.full(distance.shape, np.inf)
     pieces = _PIECES[specification]
+    tie = _ROUNDING * float(sums.max())
     if distance.size > _MANY:
-        _compiled()(sums, np.array(pieces), frames, least)
+        _compiled()(sums, np.array(pieces), tie, frames, least)
         return frames, least
     for length, up, left, count in pieces:
         rows = slice(up, distance.shape[0] - (count - 1 - up))
@@ -50,7 +52,7 @@ def lengths_of(distance: np.ndarray, specification: str) -> tuple[np.ndarray, Ar
             continue
         total = sums[count:, count:] - sums[:-count, :-count]
         mean = total * (1.0 / count)
-        better = mean < least[rows, columns]
+        better = mean + tie < least[rows, columns]
         least[rows, columns] = np.where(better, mean, least[rows, columns])
         frames[rows, columns] = np.where(better, length, frames[rows, columns])
     return frames, least
@@ -88,7 +90,7 @@ def _compiled() -> Callable[..., Any]:
     numba.config.THREADING_LAYER = "forksafe"  # type: ignore[attr-defined]
 
     @numba.njit(parallel=True, cache=True, error_model="numpy")
-    def fill(sums: Array, pieces: np.ndarray, frames: np.ndarray, least: Array) -> None:
+    def fill(sums: Array, pieces: np.ndarray, tie: float, frames: np.ndarray, least: Array) -> None:
         height, width = frames.shape
         for i in numba.prange(height):
             for first in range(0, width, _STRIP):
@@ -108,7 +110,7 @@ def _compiled() -> Callable[..., Any]:
                     share = 1.0 / count
                     for k in range(n):
                         mean = (ends[k] - begins[k]) * share
-                        if mean < cost[k]:
+                        if mean + tie < cost[k]:
                             cost[k] = mean
                             of[k] = length
                 least[i, first:beyond] = best[: beyond - first]

@@ -21,16 +21,16 @@ class Point:
 def local_minima(cost: Array, before: int = 0, after: int = 0, trivial: int = -1) -> list[Point]:
     """Cells of `cost` (FA, FB) below or level with their 8 neighbours, cheapest first.
 
-    A plateau counts once, by its first cell, and only where nothing around it is lower. Cells
-    with fewer than `before` frames before i or `after` frames behind j are left out. `trivial`
-    excludes cells with |i − j| ≤ it: a motion that goes on into itself.
+    Cells with fewer than `before` frames before i or `after` frames behind j are left out;
+    `trivial` excludes cells with |i − j| ≤ it: a motion that goes on into itself. A plateau counts
+    once, by its first cell that is not left out, and only where nothing around it is lower.
     """
     lower = np.full(cost.shape, False)
     for di, dj in _NEIGHBOURS:
         here, there = _overlap(cost.shape, di, dj)
         lower[here] |= cost[there] < cost[here]
-    flat = _plateaus(cost, lower)
-    cells = np.argwhere(flat & _allowed(cost.shape, before, after, trivial))
+    allowed = _allowed(cost.shape, before, after, trivial)
+    cells = np.argwhere(_plateaus(cost, lower, allowed))
     found = [Point(int(i), int(j), float(cost[i, j])) for i, j in cells]
     return sorted(found, key=lambda point: (point.cost, point.i, point.j))
 
@@ -90,37 +90,23 @@ def _overlap(
     return (i_here, j_here), (i_there, j_there)
 
 
-def _plateaus(cost: Array, lower: np.ndarray) -> np.ndarray:
-    """The first cell of every connected level region without a lower neighbour anywhere."""
-    candidates = ~lower
-    level = np.zeros(cost.shape, dtype=bool)
+def _plateaus(cost: Array, lower: np.ndarray, allowed: np.ndarray) -> np.ndarray:
+    """The first allowed cell of every connected level region without a lower neighbour anywhere.
+
+    Of two neighbours at two levels one is in `lower`: what is connected among the others is level.
+    """
+    from scipy.ndimage import label
+
+    spoiled = np.full(cost.shape, False)  # in a region that goes on to where a neighbour is lower
     for di, dj in _NEIGHBOURS:
         here, there = _overlap(cost.shape, di, dj)
-        level[here] |= cost[there] == cost[here]
-    single = candidates & ~level
-    keep = single.copy()
-    seen = np.zeros(cost.shape, dtype=bool)
-    for start in map(tuple, np.argwhere(candidates & level)):
-        if seen[start]:
-            continue
-        region = _region(cost, start, seen)
-        if not lower[tuple(np.array(region).T)].any():
-            keep[min(region)] = True
+        spoiled[here] |= (cost[there] == cost[here]) & lower[there]
+    regions, count = label(~lower, np.ones((3, 3), dtype=int))
+    sound = np.full(count + 1, True)
+    sound[regions[spoiled]] = False
+    sound[0] = False
+    places = np.flatnonzero(sound[regions] & allowed)
+    firsts = np.unique(regions.ravel()[places], return_index=True)[1]
+    keep = np.full(cost.shape, False)
+    keep.ravel()[places[firsts]] = True
     return keep
-
-
-def _region(cost: Array, start: tuple[int, ...], seen: np.ndarray) -> list[tuple[int, int]]:
-    """Cells connected to `start` at its level; marks them in `seen`."""
-    level, waiting, region = cost[start], [(int(start[0]), int(start[1]))], []
-    seen[start] = True
-    while waiting:
-        i, j = waiting.pop()
-        region.append((i, j))
-        for di, dj in _NEIGHBOURS:
-            k, m = i + di, j + dj
-            if not (0 <= k < cost.shape[0] and 0 <= m < cost.shape[1]) or seen[k, m]:
-                continue
-            if cost[k, m] == level:
-                seen[k, m] = True
-                waiting.append((k, m))
-    return region

@@ -76,7 +76,7 @@ def search(
     rows = _gathered(from_motions, weights, velocity_weight, level, lambda m: (before, len(m)))
     columns = _gathered(to_motions, weights, velocity_weight, level, lambda m: (0, len(m) - after))
     scale = weighted_joints(check[0].skeleton, weights)[1]
-    same = np.array([[a is b for b in to_motions] for a in from_motions])
+    same = np.array([[a.same_as(b) for b in to_motions] for a in from_motions])
     best: list[tuple[float, tuple[int, int]]] = []  # a heap of the cheapest, the dearest on top
     for done, (top, left) in enumerate(_corners(len(rows.frame), len(columns.frame), block), 1):
         cost, (r0, c0) = _block(rows, columns, top, left, block, scale)

@@ -53,6 +53,14 @@ def open_point(library: "Library", text: str) -> Point:
     return Point(clip, frame, motion, place)
 
 
+def is_directory(name: str) -> bool:
+    """Whether a name is that of a directory; one longer than any file's is not."""
+    try:
+        return Path(name).is_dir()
+    except OSError:
+        return False
+
+
 def open_all(motions: list[Path] | None, names: list[str]) -> list[list["Clip"]]:
     """For each name, its clip, or all clips of a directory that have the first one's hierarchy.
 
@@ -61,27 +69,49 @@ def open_all(motions: list[Path] | None, names: list[str]) -> list[list["Clip"]]
     import sys
 
     from stimuli.errors import InputError
+
+    library = open_library(motions)
+    opened, notes = _loaded(library, [_paths(library, name) for name in names])
+    for note in notes:
+        print(note, file=sys.stderr)
+    if unusable := [name for name, clips in zip(names, opened, strict=True) if not clips]:
+        raise InputError(f"{unusable[0]}: expected motion clips, found none that can be used.")
+    return opened
+
+
+def _paths(library: "Library", name: str) -> list[Path]:
+    """The clips of the directory of that name, or the one clip."""
     from stimuli.motion.library import clips_under
 
-    library, first, opened = open_library(motions), None, []
-    for name in names:
-        paths = clips_under(Path(name)) if Path(name).is_dir() else [library.find(name)]
-        clips = []
-        for path in paths:
-            try:
-                clip = library.load(path)
-            except InputError as error:
-                print(error, file=sys.stderr)
-                continue
-            first = first or clip
-            if clip.motion.skeleton.same_hierarchy(first.motion.skeleton):
-                clips.append(clip)
-            else:
-                print(f"{path}: another hierarchy than {first.name}: left out", file=sys.stderr)
-        if not clips:
-            raise InputError(f"{name}: expected motion clips, found none that can be used.")
-        opened.append(clips)
-    return opened
+    return clips_under(Path(name)) if is_directory(name) else [library.find(name)]
+
+
+def _loaded(library: "Library", groups: list[list[Path]]) -> tuple[list[list["Clip"]], list[str]]:
+    """Of each group the clips of the very first one's hierarchy, and why others are left out.
+
+    A bar shows how many are read.
+    """
+    from stimuli.errors import InputError
+    from study.cli.common import progress
+
+    done, first, opened, notes = 0, None, [], []
+    with progress(sum(map(len, groups)), "reading clips") as step:
+        for paths in groups:
+            clips = []
+            for path in paths:
+                try:
+                    clip = library.load(path)
+                    first = first or clip
+                    if clip.motion.skeleton.same_hierarchy(first.motion.skeleton):
+                        clips.append(clip)
+                    else:
+                        notes.append(f"{path}: another hierarchy than {first.name}: left out")
+                except InputError as error:
+                    notes.append(str(error))
+                done += 1
+                step(done)
+            opened.append(clips)
+    return opened, notes
 
 
 def tell_warnings(*clips: "Clip") -> None:

@@ -11,13 +11,14 @@ import numpy as np
 
 from stimuli.motion import quaternions as quat
 from stimuli.motion.formats.bvh_hierarchy import AXES, Hierarchy, read_hierarchy
-from stimuli.motion.formats.numbers import parse_numbers
+from stimuli.motion.formats.numbers import numbers_and_ends, words_in_lines
 from stimuli.motion.formats.source import Source, check_size, decode, fault, rate, shown
 from stimuli.motion.formats.words import decimal, whole
 from stimuli.motion.quaternions import Array
 
 _MOTION = re.compile(r"^[ \t]*MOTION[ \t]*\r?$", re.MULTILINE | re.IGNORECASE)
 _FRAMES = re.compile(r"\s*Frames\s*:\s*(\S*)", re.IGNORECASE)
+_AT_ONCE = 200_000  # rotations made in one go, which takes some ten times their own memory
 _FRAME_TIME = re.compile(r"\s*Frame\s*Time\s*:[ \t]*(\S*)", re.IGNORECASE)
 
 
@@ -93,8 +94,9 @@ def _read_motion(
             first_line + 1,
         )
     frame_rate = fps if fps is not None else rate(path, frame_time, time_line)
-    numbers = parse_numbers(path, text, body)
-    values, warnings = _frames(path, text, body, numbers, expected, width)
+    numbers, ends = numbers_and_ends(path, text, body)
+    in_rows = ends is not None and _end_lines(text, ends[width - 1 : -1 : width])
+    values, warnings = _frames(path, text, body, numbers, expected, width, in_rows)
     return values, frame_rate, warnings
 
 
@@ -103,28 +105,38 @@ def _line_after(text: str, start: int) -> str:
     return shown(text[start : start + 200].strip().partition("\n")[0])
 
 
+def _end_lines(text: str, ends: np.ndarray) -> bool:
+    """Whether the words that end there are the last of their lines, a few blanks apart."""
+    return all(text[end : end + 3].lstrip(" \t\r")[:1] == "\n" for end in ends.tolist())
+
+
 def _frames(
-    path: Path, text: str, body: int, numbers: Array, expected: int, width: int
+    path: Path, text: str, body: int, numbers: Array, expected: int, width: int, in_rows: bool
 ) -> tuple[Array, list[str]]:
-    """Numbers as (F, C); refuses a table that does not fit, naming its first odd line."""
+    """Numbers as (F, C); refuses a table that does not fit, naming its first odd line.
+
+    `in_rows` tells that every frame is known to end where a line does, which spares counting.
+    """
     found, rest = divmod(numbers.size, width)
-    if rest == 0 and found == expected:
-        return numbers.reshape(found, width), []
-    if rest == 0 and found > expected:
+    fits = rest == 0 and found >= expected
+    if fits and (in_rows or not _shifted(words_in_lines(text, body), found, width)):
+        if found == expected:
+            return numbers.reshape(found, width), []
         note = f"the header says {expected} frames, {found} are there: the first {expected} used"
         return numbers[: expected * width].reshape(expected, width), [note]
     line = text.count("\n", 0, body) + 1
-    for frame, raw in enumerate((row for row in text[body:].split("\n") if row.strip()), start=1):
-        count = len(raw.split())
-        if count != width:
-            line += text[body:].split("\n").index(raw)
-            raise fault(
-                path,
-                f"{expected} frames of {width} numbers",
-                f"{numbers.size} numbers in all; frame {frame} has {count}",
-                "The file is damaged or cut short; export it again.",
-                line,
-            )
+    counts = words_in_lines(text, body)
+    rows = np.flatnonzero(counts)
+    odd = np.flatnonzero(counts[rows] != width)
+    if len(odd):
+        row = rows[odd[0]]
+        raise fault(
+            path,
+            f"{expected} frames of {width} numbers",
+            f"{numbers.size} numbers in all; frame {odd[0] + 1} has {counts[row]}",
+            "The file is damaged or cut short; export it again.",
+            line + int(row),
+        )
     raise fault(
         path,
         f"{expected} frames of {width} numbers",
@@ -132,6 +144,15 @@ def _frames(
         "The file is cut short, or its Frames: is wrong.",
         line,
     )
+
+
+def _shifted(counts: np.ndarray, frames: int, width: int) -> bool:
+    """Whether there is a line for each frame, and yet not of `width` words each.
+
+    Frames may be wrapped over several lines; here a number has moved into another's line.
+    """
+    counts = counts[counts > 0]
+    return len(counts) == frames and bool(np.any(counts != width))
 
 
 def _poses(
@@ -164,9 +185,12 @@ def _poses(
                 root[:, axis] = values[:, source]
         elif moves:
             _place(tree, joint, values, moves, strays)
+    step = max(1, _AT_ONCE // joints)
     for order, (members, turns_of) in by_order.items():
-        angles = np.radians(values[:, np.array(turns_of)])
-        rotations[:, members] = quat.from_euler(angles, order)
+        columns_of = np.array(turns_of)
+        for some in (slice(first, first + step) for first in range(0, frames, step)):
+            angles = np.radians(values[some, columns_of])
+            rotations[some, members] = quat.from_euler(angles, order)
     return rotations, root, strays, at_rest
 
 

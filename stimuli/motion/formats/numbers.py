@@ -13,30 +13,54 @@ from pathlib import Path
 import numpy as np
 
 from stimuli.motion.formats.source import fault, shown
-from stimuli.motion.formats.words import IN_BOUNDS, LARGEST_NUMBER, decimal, is_decimal
+from stimuli.motion.formats.words import (
+    DECIMAL,
+    IN_BOUNDS,
+    LARGEST_NUMBER,
+    decimal,
+    is_decimal,
+)
 from stimuli.motion.quaternions import Array
 
 _TODO = "The file is damaged; export it again."
-_POINT, _SPACE, _ZERO = np.frombuffer(b". 0", dtype=np.uint8)
+_POINT, _SPACE, _ZERO, _PLUS, _MINUS = np.frombuffer(b". 0+-", dtype=np.uint8)
 _SMALL, _CAPITAL = b"eE"
 _AS_SPACE = bytes.maketrans(b"eE", b"  ")
 _MOST_EXACT = 2**53  # a larger mantissa is rounded before it is scaled
 _POWERS = 10.0 ** np.arange(23)  # the powers of ten that a double holds exactly
 _FEW = 0.02  # of all numbers, read one by one
+_LARGEST_EXPONENT = 400  # beyond it every number is 0 or too large
+# possessive, so that a word which is no number is met once and not tried in pieces
+_ALL_DECIMALS = re.compile(rf"\s*+(?:{DECIMAL}(?:\s++|\Z))*+", re.ASCII | re.IGNORECASE)
 
 
 def parse_numbers(path: Path, text: str, start: int) -> Array:
     """All numbers of `text` from `start` on; InputError with line and word where one is none."""
-    numbers = scaled_mantissas(text[start:])
-    if numbers is None:
-        numbers = _any_notation(path, text, start)
+    return numbers_and_ends(path, text, start)[0]
+
+
+def numbers_and_ends(path: Path, text: str, start: int) -> tuple[Array, np.ndarray | None]:
+    """The same, and where in `text` the word of each ends, if that came to light in passing."""
+    words = _words(text[start:])
+    numbers, ends = words or (_any_notation(path, text, start), None)
     if not np.all(np.abs(numbers) < LARGEST_NUMBER):
         raise _culprit(path, text, start)
-    return numbers
+    return numbers, None if ends is None else ends + (start - 1)
+
+
+def words_in_lines(text: str, start: int) -> np.ndarray:
+    """How many words each line (N,) of ASCII text has from `start` on."""
+    return np.array([len(line.split()) for line in text[start:].split("\n")])
 
 
 def scaled_mantissas(text: str) -> Array | None:
     """Numbers read as whole mantissas times powers of ten; None when there is anything else."""
+    words = _words(text)
+    return None if words is None else words[0]
+
+
+def _words(text: str) -> tuple[Array, np.ndarray] | None:
+    """Such numbers, and behind which letter of a blank and the text each of them ends."""
     try:
         data = f" {text} ".encode("ascii")
     except UnicodeEncodeError:
@@ -50,6 +74,9 @@ def scaled_mantissas(text: str) -> Array | None:
     if whole is None or len(whole) != len(ends) or not _end_in_digits(codes, ends):
         return None
     points = np.flatnonzero(codes == _POINT)
+    behind = codes[points + 1]
+    if np.any((behind == _PLUS) | (behind == _MINUS)):  # without its point, a sign like any other
+        return None
     decimals = _decimals(points, ends)
     if decimals is None:
         return None
@@ -57,14 +84,19 @@ def scaled_mantissas(text: str) -> Array | None:
         owners = np.searchsorted(ends, letters)
         exponents = owners + 1
         sound = inside[letters - 1] & inside[letters + 1]
-        if not np.all(sound) or np.any(decimals[exponents]) or np.any(np.diff(owners) == 1):
+        if not np.all(sound) or np.any(np.diff(owners) == 1):
+            return None
+        if np.any(decimals[exponents]) or np.any(codes[ends[exponents] - 1] == _POINT):
+            return None
+        if _largest(whole[exponents]) > _LARGEST_EXPONENT:
             return None
         decimals[owners] -= whole[exponents]
         ends[owners] = ends[exponents]
         number = np.ones(len(whole), dtype=bool)
         number[exponents] = False
         whole, decimals, ends = whole[number], decimals[number], ends[number]
-    return _scaled(whole, decimals, data, ends)
+    numbers = _scaled(whole, decimals, data, ends)
+    return None if numbers is None else (numbers, ends)
 
 
 def _end_in_digits(codes: np.ndarray, ends: np.ndarray) -> bool:
@@ -97,7 +129,8 @@ def _scaled(whole: np.ndarray, decimals: np.ndarray, data: bytes, ends: np.ndarr
     """whole / 10^decimals, correctly rounded; None where too many numbers need another way."""
     beyond: np.ndarray = np.empty(0, dtype=np.intp)
     if _largest(whole) >= _MOST_EXACT or _largest(decimals) >= len(_POWERS):
-        beyond = np.flatnonzero((np.abs(whole) >= _MOST_EXACT) | (np.abs(decimals) >= len(_POWERS)))
+        large = (whole >= _MOST_EXACT) | (whole <= -_MOST_EXACT)  # the least has no magnitude
+        beyond = np.flatnonzero(large | (np.abs(decimals) >= len(_POWERS)))
         if len(beyond) > _FEW * len(whole):
             return None
         decimals[beyond] = 0
@@ -108,7 +141,10 @@ def _scaled(whole: np.ndarray, decimals: np.ndarray, data: bytes, ends: np.ndarr
         numbers = np.where(decimals < 0, whole * scale, whole / scale)
     for place in beyond:
         before = ends[place - 1] if place else 0
-        numbers[place] = float(data[before : ends[place]])
+        try:
+            numbers[place] = float(data[before : ends[place]])
+        except ValueError:
+            return None
     return np.asarray(numbers)
 
 
@@ -128,6 +164,8 @@ def _whole_numbers(data: bytes) -> np.ndarray | None:
 
 
 def _any_notation(path: Path, text: str, start: int) -> Array:
+    if not _ALL_DECIMALS.fullmatch(text, start):  # NumPy would take 1-2 for two numbers
+        raise _culprit(path, text, start)
     with warnings.catch_warnings():
         warnings.simplefilter("error", DeprecationWarning)
         try:

@@ -12,7 +12,9 @@ from stimuli.motion.skeleton import depth_first_order
 
 MOST_JOINTS = 2_000
 MOST_FRAMES = 2_000_000  # 18 hours at 30 a second, 4 at 120
-MOST_ROTATIONS = 40_000_000  # joints times frames, of four numbers each: 1.3 GB
+# Joints times frames: 3 hours of 31 at 30 a second. On the way to a clip they take 1.5 GB, and 3 GB
+# when each has six channels, as then the file itself is of such a size.
+MOST_ROTATIONS = 12_000_000
 SLOWEST, FASTEST = 1.0, 2_000.0  # frames a second of any capture of a whole body
 _SAME_RATE = 1e-3  # rates this near, in proportion, are one
 
@@ -21,9 +23,9 @@ _SAME_RATE = 1e-3  # rates this near, in proportion, are one
 class Source:
     """A motion as its file has it: the file's units, axes and rate.
 
-    `offsets[0]` is the root's own offset; whether `root` already contains it is `root_absolute`
-    to say. `strays` are the joints whose position channels vary, with the largest distance from
-    their mean, in file units. `at_rest` marks frames whose root rotation channels are exactly 0.
+    `offsets[0]` is the root's own offset. `strays` are the joints whose position channels vary,
+    with the largest distance from their mean, in file units. `at_rest` marks frames whose root
+    rotation channels are exactly 0.
     """
 
     format: str

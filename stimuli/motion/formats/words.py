@@ -10,7 +10,8 @@ from collections.abc import Sequence
 LARGEST_NUMBER = 1e9  # no position in any unit and no angle comes near it
 IN_BOUNDS = "below 1e9"  # as messages say it
 
-_DECIMAL = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:e[+-]?\d+)?", re.ASCII | re.IGNORECASE)
+DECIMAL = r"[+-]?+(?:\d++(?:\.\d*+)?+|\.\d++)(?:e[+-]?+\d++)?+"  # of any case
+_DECIMAL = re.compile(DECIMAL, re.ASCII | re.IGNORECASE)
 _WHOLE = re.compile(r"\d{1,15}", re.ASCII)
 
 

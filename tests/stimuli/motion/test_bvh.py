@@ -13,7 +13,7 @@ from stimuli.motion import quaternions as quat
 from stimuli.motion.formats.bvh import read_bvh
 from stimuli.motion.formats.bvh_write import write_bvh
 from stimuli.motion.formats.numbers import parse_numbers, scaled_mantissas
-from stimuli.motion.formats.words import decimal, whole
+from stimuli.motion.formats.words import decimal, is_decimal, whole
 from stimuli.motion.skeleton import depth_first_order
 
 PATH = Path("clip.bvh")
@@ -277,7 +277,61 @@ def test_a_few_numbers_beyond_a_double_s_digits_are_read_one_by_one():
     "text",
     ["1.2.3", "1-2", "12345678901234567.25", "é", ".", "1 . 2", "-", "nan", "1,5", "", " ", "1.-5",
      "1e5.2", "1e", "e5", "1e5e3", "1 e5", "1e 5", "1e-", "..5 1.5", "1.5 .", "0x1.5", "1e5.0 2",
-     "1 - 2", "-. 5"],
+     "1 - 2", "-. 5", "9E454.", "1e-9223372036854775808", ".-229", "-.+3", "9e5.", "0e3.", "1e401"],
 )  # fmt: skip
 def test_what_is_no_plain_number_is_left_to_the_general_parser(text):
     assert scaled_mantissas(text) is None
+
+
+ODD_WORDS = st.lists(st.text("0123456789.+-eE", min_size=1, max_size=24), min_size=1, max_size=4)
+LIKELY_WORDS = st.lists(
+    st.from_regex(r"\A[+-]?[0-9]{0,20}\.?[0-9]{0,20}([eE][+-]?[0-9]{0,4}\.?)?\Z").filter(bool),
+    min_size=1,
+    max_size=4,
+)
+
+
+@settings(max_examples=1000, deadline=None)
+@given(st.one_of(ODD_WORDS, LIKELY_WORDS), st.sampled_from([0, 300]))
+def test_words_are_numbers_exactly_as_python_reads_them_or_a_refusal(words, plain):
+    text = " ".join(words + ["1.5"] * plain)
+    quick = scaled_mantissas(text)
+    if any(decimal(word) is None for word in words):
+        with pytest.raises(InputError):
+            parse_numbers(PATH, text, 0)
+    else:
+        assert parse_numbers(PATH, text, 0)[: len(words)].tolist() == [float(w) for w in words]
+    if quick is not None:
+        assert all(is_decimal(word) for word in words)
+        assert quick[: len(words)].tolist() == [float(word) for word in words]
+
+
+@pytest.mark.parametrize("word", ["-" + "9" * 30 + "e-25", "-0.99999999999999999999"])
+def test_a_mantissa_of_too_many_digits_keeps_its_value(word):
+    found = parse_numbers(PATH, " ".join([word] + ["1.5"] * 300), 0)
+    assert found[0] == float(word)
+
+
+ROW = "1 90 2 10 20 30 1 2 3"
+
+
+@pytest.mark.parametrize("frames", [2, 1])
+@pytest.mark.parametrize("end", ["\n", " \r\n", "    \n"])
+def test_a_number_in_another_frame_s_line_is_refused(frames, end):
+    text = HEAD + f"Frames: {frames}\nFrame Time: 0.033333\n"
+    rows = [ROW, ROW]
+    source = read(text + end.join(rows) + end)
+    assert len(source.root) == frames
+    for rows in ([ROW + " 4", ROW[2:]], [ROW[2:], "4 " + ROW]):
+        with pytest.raises(InputError, match=r"clip\.bvh:20.*frame 1 has (10|8)"):
+            read(text + end + end.join(rows) + end)
+
+
+def test_frames_may_be_wrapped_over_lines():
+    text = HEAD + "Frames: 2\nFrame Time: 0.033333\n"
+    for body in (
+        ROW + " " + ROW,
+        (ROW + " " + ROW).replace(" ", "\n"),
+        f"{ROW[:9]}\n{ROW[9:]}\n" * 2,
+    ):
+        assert np.allclose(read(text + body).root, [[1, 90, 2]] * 2)

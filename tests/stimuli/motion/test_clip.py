@@ -1,11 +1,12 @@
 """Units, axes, rest poses, rates, roles, overrides: what a clip is brought to."""
 
+import warnings
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from stimuli.errors import InputError
+from stimuli.errors import InputError, InputWarning
 from stimuli.motion import forward, load
 from stimuli.motion import quaternions as quat
 from stimuli.motion.formats.source import check_size
@@ -272,6 +273,7 @@ def test_settings_of_one_clip_rule_over_the_general_ones(clip, tmp_path):
         "[clips.one]\nscale = 0.03\nfps = 'auto'\n[clips.one.roles]\nhead = 'Head'\n"
         "[clips.'one.bvh']\nscale = 0.04\n[clips.two]\nup = 'Z'\n"
     )
+    (tmp_path / "two.bvh").touch()
     one, two = (clip(bvh(standing()), f"{name}.bvh") for name in ("one", "two"))
     assert (one.scale, one.fps, one.up) == (0.04, 30, "Y")
     assert (two.scale, two.fps, two.up) == (0.02, 60, "Z")
@@ -298,15 +300,42 @@ def test_a_usual_role_whose_joint_a_clip_lacks_is_told_from_the_names(clip, tmp_
 
 def test_a_table_of_a_clip_that_is_not_there_is_warned_of(clip, tmp_path):
     (tmp_path / "overrides.toml").write_text("[clips.clap]\nscale = 0.02\n[clips.clip]\nfps = 60\n")
-    found = clip(bvh(standing()))
+    with pytest.warns(InputWarning, match=r"overrides\.toml names clips that are not there: clap$"):
+        found = clip(bvh(standing()))
     assert found.fps == 60
-    assert found.warnings == ("overrides.toml names clips that are not there: clap",)
+    assert found.warnings == ()
+
+
+def test_a_directory_of_clips_is_warned_of_once_listed_once_and_its_overrides_read_once(
+    clip, tmp_path, monkeypatch
+):
+    (tmp_path / "overrides.toml").write_text("[clips.clap]\nscale = 0.02\n[roles]\nchest = 'Chest'")
+    names = [f"{k}.bvh" for k in range(4)]
+    for name in names:
+        (tmp_path / name).write_text(bvh(standing()))
+    calls = []
+    for owner, method in ((Path, "iterdir"), (Path, "read_text")):
+        known = getattr(owner, method)
+        monkeypatch.setattr(
+            owner,
+            method,
+            lambda self, *a, k=known, m=method, **b: calls.append(m) or k(self, *a, **b),
+        )
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("default")
+        for name in names:
+            load(tmp_path / name)
+    assert len(told) == 1
+    assert sorted(calls) == ["iterdir", "read_text"]
+    (tmp_path / "overrides.toml").write_text("fps = 60")
+    assert load(tmp_path / "0.bvh").fps == 60
+    assert sorted(calls) == ["iterdir", "read_text", "read_text"]
 
 
 def test_hours_of_motion_are_read_and_days_refused(clip):
     with pytest.raises(InputError, match=r"clip\.bvh.* at most 2,000,000 frames .* at 30 a second"):
         clip(bvh([[0, 88, 0, 1, 0, 0]] * 70_000), fps=1)
-    check_size(Path("c.bvh"), 3 * 3600 * 120, 30, 120.0)
+    check_size(Path("c.bvh"), 3 * 3600 * 30, 31, 30.0)
 
 
 @pytest.mark.parametrize("fps", [0.5, 20_000, float("nan"), True, "fast"])

@@ -2,7 +2,10 @@
 
 import re
 import resource
+import subprocess
+import sys
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -11,15 +14,22 @@ import pytest
 from stimuli.errors import InputError
 from stimuli.motion import load, write_walker
 from stimuli.motion.formats.bvh_write import write_bvh
+from stimuli.motion.formats.source import MOST_ROTATIONS
 
+ROOT = Path(__file__).resolve().parents[3]
 FILES = ("messy/base.bvh", "messy/ok.amc", "messy/pos_all_joints_absolute.bvh",
          "messy/real_walk01_24fps.bvh", "accad_male1_bvh/Male1_C03_Run.bvh")  # fmt: skip
 ROUNDS = 400
+MOST_GROWTH = 200_000  # kilobytes on top of what is in use, for copies of files of a megabyte
+MOST_MEMORY = 2_000_000  # kilobytes for a small file that makes as many rotations as are read
 GLUE = [
     b"",
     b"\n",
     b" ",
     b"-",
+    b".",
+    b"E",
+    b".-",
     b"e9",
     b"nan",
     b"{",
@@ -61,10 +71,27 @@ def rescaled(data: bytes, rng: np.random.Generator) -> bytes:
     return SCALES.sub(other, data)
 
 
+def peak_afresh() -> int:
+    """Kilobytes in use; where the system allows it, the peak that earlier tests left is forgotten.
+
+    Elsewhere a growth shows only beyond what they took.
+    """
+    with suppress(OSError):
+        Path("/proc/self/clear_refs").write_text("5")
+    return peak()
+
+
+def peak() -> int:
+    """Most kilobytes that this process has had since then."""
+    status = Path("/proc/self/status")
+    found = re.search(r"VmHWM:\s*(\d+)", status.read_text()) if status.exists() else None
+    return int(found[1]) if found else resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+
+
 def fuzz(whole: bytes, path: Path, damage: Callable, rounds: int) -> None:
     """Loads damaged copies: each is a motion or a refusal, and asks for no more than memory has."""
     rng = np.random.default_rng(1)
-    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    before = peak_afresh()
     refusals: list[str] = []
     for _ in range(rounds):
         path.write_bytes(damage(whole, rng))
@@ -78,7 +105,7 @@ def fuzz(whole: bytes, path: Path, damage: Callable, rounds: int) -> None:
     assert 0 < len(refusals) < rounds
     assert all(len(message.splitlines()) <= 2 for message in refusals)
     assert all(len(message) < 2_000 for message in refusals)
-    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 200_000
+    assert peak() - before < MOST_GROWTH
 
 
 @pytest.mark.slow
@@ -101,3 +128,26 @@ def test_rates_and_counts_of_any_size_neither(bodies, tmp_path):
     path = tmp_path / "clip.bvh"
     write_bvh(bodies.wandering(20, 1), path)
     fuzz(path.read_bytes(), path, rescaled, 60)
+
+
+READ_AND_TELL = """
+import sys
+from stimuli.motion import load
+from tests.stimuli.motion.test_fuzz import peak
+print(load(sys.argv[1], up="Z").motion.rotations.size // 4, peak())
+"""
+
+
+@pytest.mark.slow
+def test_a_small_file_of_the_most_rotations_takes_bounded_memory(tmp_path):
+    path, frames = tmp_path / "clip.bvh", MOST_ROTATIONS // 2_000 * 29 // 30 - 1
+    joints = "".join(f"JOINT j{k}\n{{\nOFFSET 0 0 1\n}}\n" for k in range(1_999))
+    path.write_text(
+        f"HIERARCHY\nROOT r\n{{\nOFFSET 0 0 0\nCHANNELS 1 Zrotation\n{joints}}}\nMOTION\n"
+        f"Frames: {frames}\nFrame Time: {1 / 29}\n" + "1\n" * frames
+    )
+    command = [sys.executable, "-c", READ_AND_TELL, str(path)]
+    told = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT).stdout
+    rotations, kilobytes = map(int, told.split())
+    assert rotations > 0.99 * MOST_ROTATIONS
+    assert kilobytes < MOST_MEMORY

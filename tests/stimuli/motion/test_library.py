@@ -2,7 +2,9 @@
 
 import hashlib
 import json
+import shutil
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -178,3 +180,44 @@ def test_what_is_no_loop_or_needs_no_more_stays_as_it_is(bodies):
 def test_a_name_longer_than_any_file_s_is_not_found(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="found none"):
         Library([tmp_path]).find("a" * 300)
+
+
+def test_one_file_under_any_name_is_one_clip_and_its_copies_share_one_motion(tmp_path, monkeypatch):
+    path = write_walker(tmp_path / "a", 0)
+    other = write_walker(tmp_path / "b", 0)
+    monkeypatch.chdir(tmp_path)
+    library = Library([tmp_path / "a"])
+    clip = library.load(path)
+    for name in (path.stem, path.relative_to(tmp_path), f"b/../a/{path.name}"):
+        assert library.load(name) is clip
+    copy = library.load(other)
+    assert (copy.path, copy.name) == (other, clip.name)
+    assert copy.motion is clip.motion
+    scaled = tmp_path / "c" / path.name
+    scaled.parent.mkdir()
+    shutil.copy(path, scaled)
+    (tmp_path / "c" / "overrides.toml").write_text("scale = 2.0")
+    assert library.load(scaled).motion is not clip.motion
+
+
+def test_the_same_motion_is_told_from_any_other(bodies):
+    motion, loop = bodies.wandering(20, 1), walker(0)
+    assert motion.same_as(motion)
+    assert motion.same_as(bodies.wandering(20, 1))
+    assert loop.same_as(walker(0))
+    bent = motion.rotations.copy()
+    bent[7, 3] = [0.0, 1.0, 0.0, 0.0]
+    longer = replace(motion.skeleton, offsets=motion.skeleton.offsets * 1.1)
+    for other in (
+        motion[:19],
+        bodies.wandering(20, 2),
+        replace(motion, rotations=bent),
+        replace(motion, root=motion.root + np.arange(20)[:, None]),
+        replace(motion, fps=60.0),
+        replace(motion, skeleton=longer),
+        replace(motion, skeleton=replace(motion.skeleton, roles={})),
+    ):
+        assert not motion.same_as(other)
+        assert not other.same_as(motion)
+    assert not loop.same_as(replace(loop, cycle=None))
+    assert not loop.same_as(replace(loop, cycle=replace(loop.cycle, period=9.0)))

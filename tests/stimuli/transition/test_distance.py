@@ -96,6 +96,45 @@ def test_minima_are_below_all_eight_neighbours_and_a_plateau_counts_once():
     assert (5, 6) not in [(p.i, p.j) for p in local_minima(sloped)]
 
 
+def test_a_plateau_counts_by_its_first_cell_that_is_not_left_out():
+    flat = np.ones((40, 40))
+    assert [(p.i, p.j) for p in local_minima(flat, before=5)] == [(5, 0)]
+    assert [(p.i, p.j) for p in local_minima(flat, 2, 3, trivial=4)] == [(2, 7)]
+    assert local_minima(flat, before=40) == []
+    flat[0, 39] = 0.0  # lower beside cells that are left out: no minimum of the others
+    assert local_minima(flat, before=5) == []
+
+
+def plateaus_walked(cost: np.ndarray) -> list[tuple[int, int]]:
+    """The first cells of level regions with nothing lower around them, by walking."""
+    cells, seen, found = list(np.ndindex(cost.shape)), set(), []
+    for start in cells:
+        if start in seen:
+            continue
+        region, waiting, least = set(), [start], np.inf
+        while waiting:
+            i, j = waiting.pop()
+            region.add((i, j))
+            for cell in ((i + di, j + dj) for di in (-1, 0, 1) for dj in (-1, 0, 1)):
+                if not (0 <= cell[0] < cost.shape[0] and 0 <= cell[1] < cost.shape[1]):
+                    continue
+                least = min(least, cost[cell])
+                if cost[cell] == cost[start] and cell not in region:
+                    waiting.append(cell)
+        seen |= region
+        if least == cost[start]:
+            found.append(min(region))
+    return sorted(found, key=lambda cell: (cost[cell], cell))
+
+
+@pytest.mark.parametrize("levels", [2, 3, 6, 30])
+def test_plateaus_are_those_found_by_walking(levels):
+    rng = np.random.default_rng(levels)
+    for shape in ((1, 1), (1, 9), (7, 1), (6, 8), (9, 9), (12, 5)):
+        cost = rng.integers(levels, size=shape).astype(float)
+        assert [(p.i, p.j) for p in local_minima(cost)] == plateaus_walked(cost)
+
+
 def test_minima_agree_with_a_plain_search():
     cost = np.random.default_rng(3).uniform(size=(30, 40))
     padded = np.pad(cost, 1, constant_values=np.inf)

@@ -4,9 +4,12 @@ import numpy as np
 import pytest
 
 from stimuli.errors import InputError
+from stimuli.motion.skeleton import Motion, Skeleton
+from stimuli.transition import fit as fitting
 from stimuli.transition.distance import cost_matrix, root_cost
 from stimuli.transition.fit import (
     Labelled,
+    Left,
     common_parts,
     design_matrix,
     fit_weights,
@@ -14,6 +17,7 @@ from stimuli.transition.fit import (
     part_distances,
     summary,
 )
+from stimuli.transition.points import Point
 
 PARTS = ("shoulder", "elbow", "hip", "knee", "pelvis")
 
@@ -113,3 +117,42 @@ def test_labels_that_say_nothing_are_refused(bodies):
         fit_weights(rows, labels, parts)
     with pytest.raises(InputError, match="differ"):
         fit_weights(np.zeros((2, len(parts))), np.array([0.0, 1.0]), parts)
+
+
+@pytest.mark.parametrize("cells", [1, 5 * 40 * 7, 10**9])
+def test_blocks_of_any_size_find_the_same_points(bodies, monkeypatch, cells):
+    labelled = told_apart(bodies, 4, 4)
+    labelled += [Labelled(t.a, t.a, t.i, t.j, t.good) for t in labelled[:6]]
+    parts = common_parts([labelled[0].a])
+    monkeypatch.setattr(fitting, "CELLS", cells)
+    told: list[int] = []
+    own, _ = leave_one_out(labelled, parts, progress=told.append, before=3, after=2)
+    assert told == sorted(told)
+    weights = fit_weights(*design_matrix(labelled, parts), parts).weights
+    for left, t in zip(own, labelled, strict=True):
+        cost = root_cost(t.a, t.b) + np.tensordot(weights, part_distances(t.a, t.b, parts), axes=1)
+        if t.a is t.b:
+            frames = np.arange(len(t.a))
+            cost[np.abs(frames[:, None] - frames) <= 15] = np.inf
+        room = cost[3:, :-2]
+        i, j = np.unravel_index(np.argmin(room), room.shape)
+        assert (left.best.i, left.best.j) == (i + 3, j)
+
+
+def test_moves_go_the_shorter_way_round_a_loop():
+    left = Left(0, Point(1, 5, 0.0), Point(31, 8, 0.0), periods=(32.0, None))
+    assert left.moved == 3
+    assert Left(0, Point(1, 5, 0.0), Point(31, 8, 0.0)).moved == 30
+    assert Left(0, Point(0, 5, 0.0), Point(32, 5, 0.0), periods=(32.3, 32.3)).moved == 0
+
+
+def test_parts_that_share_a_joint_in_any_motion_are_one(bodies):
+    a = bodies.wandering(5, 1)
+    skeleton = a.skeleton
+    roles = dict(skeleton.roles) | {"spine": skeleton.roles["pelvis"]}
+    other = Skeleton(
+        skeleton.names, skeleton.parents, skeleton.offsets, skeleton.end_parents,
+        skeleton.end_offsets, roles,
+    )  # fmt: skip
+    assert "spine" in common_parts([a])
+    assert "spine" not in common_parts([a, Motion(other, a.rotations, a.root)])

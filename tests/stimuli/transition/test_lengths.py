@@ -89,6 +89,19 @@ def test_the_compiled_map_is_the_plain_one(monkeypatch, specification):
     assert np.allclose(plain[1], compiled[1])
 
 
+@pytest.mark.parametrize("cells", [10**6, 0])
+@pytest.mark.parametrize("specification", SPECS)
+def test_of_tied_lengths_the_map_takes_the_smallest(monkeypatch, specification, cells):
+    monkeypatch.setattr("stimuli.transition.lengthmap._MANY", cells)
+    for level in (0.1, 0.7, 1 / 3):
+        frames, least = lengths_of(np.full((150, 400), level), specification)
+        assert np.all(frames == 1)
+        assert np.allclose(least, level)
+    below = np.full((150, 400), 0.1)
+    below[:20] = np.random.default_rng(0).uniform(10, 100, size=(20, 400))  # sums begin large
+    assert np.all(lengths_of(below, specification)[0][20:] == 1)
+
+
 def test_velocity_is_the_largest_difference_over_the_mean_velocity(bodies):
     a, b, i, j = bodies.wandering(90, 4), bodies.wandering(90, 5), 10, 70
     found = blend_length(a, b, i, j, "velocity")

@@ -37,3 +37,8 @@ def test_blocks_in_single_precision_find_the_same_points(bodies, monkeypatch):
         (f.from_motion, f.i, f.to_motion, f.j) for f in exact
     ]
     assert [f.cost for f in fused] == pytest.approx([f.cost for f in exact], abs=1e-5)
+
+
+def test_a_motion_read_twice_meets_itself_too(bodies):
+    once, again = bodies.wandering(60, 1), bodies.wandering(60, 1)
+    assert search([once], [again], count=20) == search([once], [once], count=20)
