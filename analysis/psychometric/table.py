@@ -1,6 +1,9 @@
 """A table of counts or single trials from a CSV file, and the options of a fit from text."""
 
 import csv
+import re
+from dataclasses import dataclass
+from io import StringIO
 from pathlib import Path
 
 from analysis.errors import InputError
@@ -11,24 +14,68 @@ from analysis.psychometric.summary import SAMPLES
 MOST_FAULTS = 3
 
 
+@dataclass(frozen=True)
+class Table:
+    """A CSV: the names of its columns, and its rows that are not empty, each with its line."""
+
+    separator: str
+    header: list[str]
+    rows: list[tuple[int, list[str]]]
+
+
+def read_table(path: Path) -> Table:
+    """A CSV file separated by commas, semicolons or tabs, whichever the header has most of.
+
+    InputError where it cannot be read, which says why in words.
+    """
+    lines = StringIO(_text(path), newline="")
+    first = next((line for line in lines if line.strip()), "")
+    lines.seek(0)
+    separator = max(",;\t", key=first.count)
+    reader = csv.reader(lines, delimiter=separator)
+    try:
+        rows = [(reader.line_num, row) for row in reader if row]
+    except csv.Error:
+        raise InputError(
+            f"{path}:{reader.line_num}: expected a CSV table, found a field longer than "
+            f"{csv.field_size_limit()} letters; is a quotation mark left open?"
+        ) from None
+    return Table(separator, [name.strip() for name in rows[0][1]] if rows else [], rows[1:])
+
+
+def _text(path: Path) -> str:
+    """What a file says in UTF-8; InputError for what is none."""
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        missing = isinstance(error, FileNotFoundError)
+        found = "no such file" if missing else (error.strerror or "none that can be read").lower()
+        found = found.removeprefix("is ")  # a directory
+        raise InputError(f"{path}: expected a CSV table, found {found}.") from None
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        text = "\0"
+    if "\0" in text:  # UTF-16 without its mark decodes
+        wide = data[:2] in (b"\xff\xfe", b"\xfe\xff") or b"\0" in data
+        found = "UTF-16" if wide else "another encoding"
+        raise InputError(
+            f"{path}: expected a CSV table in UTF-8, found {found}.\nSave it as CSV UTF-8."
+        )
+    return text
+
+
 def read_counts(path: Path) -> Counts:
     """Columns level, correct and total, or level and correct (0 or 1) for single trials."""
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(
-            f"{path}: expected a CSV table, found none that can be read ({error})"
-        ) from error
-    delimiter = "\t" if "\t" in text.partition("\n")[0] else ","
-    rows = [row for row in csv.reader(text.splitlines(), delimiter=delimiter) if row]
-    header = [name.strip().lower() for name in rows[0]] if rows else []
+    read = read_table(path)
+    header = [name.lower() for name in read.header]
     if not {"level", "correct"} <= set(header):
         raise InputError(
             f"{path}: expected columns level,correct,total or level,correct, "
             f"found {','.join(header) or 'an empty file'}"
         )
     columns = [header.index(name) for name in ("level", "correct", "total") if name in header]
-    table = _numbers(path, rows[1:], columns)
+    table = _numbers(path, read, columns)
     if not table:
         raise InputError(f"{path}: expected at least one row of numbers, found none")
     levels, right, *total = map(list, zip(*table, strict=True))
@@ -43,17 +90,34 @@ def read_counts(path: Path) -> Counts:
         raise InputError(f"{path}: {error}") from None
 
 
-def _numbers(path: Path, rows: list[list[str]], columns: list[int]) -> list[list[float]]:
+def _numbers(path: Path, read: Table, columns: list[int]) -> list[list[float]]:
     table, faults = [], []
-    for line, row in enumerate(rows, start=2):
+    for line, row in read.rows:
+        extra = any(field.strip() for field in row[len(read.header) :])
         try:
+            if extra:
+                raise ValueError
             table.append([float(row[column]) for column in columns])
         except (ValueError, IndexError):
-            faults.append(f"{path}:{line}: expected numbers, found {','.join(row)[:60]!r}")
+            shown = f"{path}:{line}: expected numbers, found {read.separator.join(row)[:60]!r}"
+            faults.append(shown + _decimal_comma(row, extra))
     if faults:
         more = f" (and {len(faults) - MOST_FAULTS} more)" if len(faults) > MOST_FAULTS else ""
         raise InputError("\n".join(faults[:MOST_FAULTS]) + more)
     return table
+
+
+def _decimal_comma(row: list[str], extra: bool) -> str:
+    """What to do about 0,5; empty where a row has no such number.
+
+    Where commas separate, one splits the number: a field more than there are columns.
+    """
+    if extra:
+        return "; more fields than columns: write decimal points, 0.5 for 0,5"
+    comma = next((field for field in row if re.fullmatch(r"\s*[-+]?\d*,\d+\s*", field)), None)
+    if comma is None:
+        return ""
+    return f"; a decimal comma: write {comma.strip().replace(',', '.')}"
 
 
 def lapse_of(text: str) -> float | None:

@@ -11,12 +11,11 @@ import numpy as np
 
 from stimuli.errors import InputError
 from stimuli.motion.skeleton import Motion
-from stimuli.transition.length import Length
+from stimuli.transition.length import FIXED, Length
 from stimuli.transition.methods import blend_length
 from stimuli.transition.room import with_room
 from stimuli.transition.window import LONGEST
 
-FIXED = 10
 TRIES = 5000
 LengthBy = Callable[[str], Length]  # the start-end length at a point, by the name of a method
 Condition = Callable[[LengthBy], bool]

@@ -15,6 +15,7 @@ from stimuli.transition.weights import SIDES, Weights, tied
 
 TRUNK = ("pelvis", "spine", "chest", "neck", "head")
 PARTS = (*LIMBS, *TRUNK)
+CELLS = 8_000_000  # of all parts' distances at once, 64 MB: whole matrices of long clips need GB
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,32 +48,41 @@ class Fit:
 class Left:
     """One labelled transition left out: how far the best transition point moved without it.
 
-    `without` is None where it cannot be left out, and `reason` says why.
+    `without` is None where it cannot be left out, and `reason` says why. `periods` are those of
+    the motions, in frames, None where one is no loop.
     """
 
     row: int
     best: Point
     without: Point | None
     reason: str = ""
+    periods: tuple[float | None, float | None] = (None, None)
 
     @property
     def moved(self) -> int | None:
-        """Frames by which the point moved, the larger of both motions' moves."""
+        """Frames by which the point moved, the larger of both motions' moves, round a loop."""
         if self.without is None:
             return None
-        return max(abs(self.best.i - self.without.i), abs(self.best.j - self.without.j))
+        first, second = self.periods
+        return max(
+            _apart(self.best.i, self.without.i, first), _apart(self.best.j, self.without.j, second)
+        )
+
+
+def _apart(one: int, other: int, period: float | None) -> int:
+    """Frames between two frames, the shorter way round where the motion is a loop."""
+    apart = abs(one - other)
+    return apart if period is None else round(abs(apart - period * round(apart / period)))
 
 
 def common_parts(motions: Sequence[Motion]) -> tuple[str, ...]:
     """Parts whose joints (both sides) every motion knows, each joint under one name."""
     known: list[str] = []
     for part in PARTS:
-        roles = _roles(part)
-        if all(set(roles) <= set(m.skeleton.roles) for m in motions):
-            joints = {m.skeleton.roles[roles[0]] for m in motions[:1]}
-            taken = {motions[0].skeleton.roles[_roles(other)[0]] for other in known}
-            if not joints & taken:
-                known.append(part)
+        if all(set(_roles(part)) <= set(m.skeleton.roles) for m in motions) and not any(
+            _joints(m, part) & _joints(m, other) for m in motions for other in known
+        ):
+            known.append(part)
     if not known:
         raise InputError("weights: expected joints known in every clip, found none.")
     return tuple(known)
@@ -141,38 +151,77 @@ def leave_one_out(
     before i and `after` behind j; InputError where a pair of motions has none such.
     """
     differences, labels = design_matrix(transitions, parts, velocity_weight)
-    whole = fit_weights(differences, labels, parts)
-    known: dict[tuple[int, int], tuple[Array, Array]] = {}
-
-    def best(a: Motion, b: Motion, weights: Array) -> Point:
-        key = (id(a), id(b))
-        if key not in known:
-            known.clear()  # one pair's matrices at a time
-            known[key] = (part_distances(a, b, parts, velocity_weight),
-                          root_cost(a, b, velocity_weight))  # fmt: skip
-        distances, root = known[key]
-        cost = root + np.tensordot(weights, distances, axes=1)
-        found = cheapest(cost, before, after, TRIVIAL if a is b else -1)
-        if found is None:
-            raise InputError(
-                f"weights: expected a transition point with {before} frames before it and {after} "
-                f"after it, found none in motions of {len(a)} and {len(b)} frames."
-            )
-        return found
-
-    def left(row: int, a: Motion, b: Motion) -> Left:
-        weights, reason = fits[row]
-        without = None if weights is None else best(a, b, weights)
-        return Left(row, best(a, b, whole.weights), without, reason)
-
+    whole = fit_weights(differences, labels, parts).weights
     rows = range(len(transitions))
     fits = [_fit_without(row, differences, labels, parts) for row in rows]
-    own: list[Left] = []
+
+    def judged(
+        a: Motion, b: Motion, asked: Sequence[int], tell: Callable[[float], None]
+    ) -> list[Left]:
+        """The rows asked for, judged on one pair of motions; `tell` takes the share done."""
+        sets = [whole, *(weights for row in asked if (weights := fits[row][0]) is not None)]
+        found = _best_points(a, b, np.array(sets), parts, velocity_weight, before, after, tell)
+        best, *others = found
+        without = iter(others)
+        periods = (_period(a), _period(b))
+        return [
+            Left(row, best, None if fits[row][0] is None else next(without), fits[row][1], periods)
+            for row in asked
+        ]
+
+    pairs: dict[tuple[int, int], list[int]] = {}
     for row, t in enumerate(transitions):
-        own.append(left(row, t.a, t.b))
-        if progress:
-            progress(row + 1)
-    return own, [left(row, *other) for row in rows] if other else []
+        pairs.setdefault((id(t.a), id(t.b)), []).append(row)
+    own: dict[int, Left] = {}
+    for asked in pairs.values():
+
+        def tell(share: float, done: int = len(own), more: int = len(asked)) -> None:
+            if progress:
+                progress(done + round(share * more))
+
+        first = transitions[asked[0]]
+        own |= {left.row: left for left in judged(first.a, first.b, asked, tell)}
+    foreign = judged(*other, rows, lambda share: None) if other else []
+    return [own[row] for row in rows], foreign
+
+
+def _best_points(
+    a: Motion,
+    b: Motion,
+    sets: Array,
+    parts: Sequence[str],
+    velocity_weight: float,
+    before: int,
+    after: int,
+    tell: Callable[[float], None],
+) -> list[Point]:
+    """The cheapest cell under each set of weights (K, P), the first of equals.
+
+    Block by block of frames of `a`; one frame more on either side gives the velocities.
+    """
+    best: list[Point | None] = [None] * len(sets)
+    trivial = TRIVIAL if a.same_as(b) else -1
+    size = max(1, CELLS // (len(parts) * len(b)))
+    for first in range(0, len(a), size):
+        last, start = min(first + size, len(a)), max(first - 1, 0)
+        near, kept = a[start : last + 1], slice(first - start, last - start)
+        distances = part_distances(near, b, parts, velocity_weight)[:, kept]
+        root = root_cost(near, b, velocity_weight)[kept]
+        frames = np.arange(first, last)[:, None]
+        root[np.abs(frames - np.arange(len(b))) <= trivial] = np.inf
+        for row, weights in enumerate(sets):
+            cost = root + np.tensordot(weights, distances, axes=1)
+            found, held = cheapest(cost, before - first, after), best[row]
+            if found is not None and (held is None or found.cost < held.cost):
+                best[row] = Point(found.i + first, found.j, found.cost)
+        tell(last / len(a))
+    found_all = [point for point in best if point is not None]
+    if len(found_all) < len(best):
+        raise InputError(
+            f"weights: expected a transition point with {before} frames before it and {after} "
+            f"after it, found none in motions of {len(a)} and {len(b)} frames."
+        )
+    return found_all
 
 
 def _fit_without(
@@ -190,6 +239,14 @@ def _fit_without(
 
 def _roles(part: str) -> tuple[str, ...]:
     return tuple(f"{side}_{part}" for side in SIDES) if part in LIMBS else (part,)
+
+
+def _period(motion: Motion) -> float | None:
+    return None if motion.cycle is None else motion.cycle.period
+
+
+def _joints(motion: Motion, part: str) -> set[int]:
+    return {motion.skeleton.roles[role] for role in _roles(part)}
 
 
 def summary(left: Sequence[Left]) -> Mapping[str, float | int | None]:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -39,6 +39,10 @@ def draw_lengths(
     # a legend finds room inside the panel wherever the optimum lies
     told = _optimum(best + 1, a.fps)
     whole.plot(best + 1, costs[best], "o", color=_LEFT, label=told, clip_on=False)
+    longest = int(np.flatnonzero(np.isfinite(costs)).max()) + 1
+    if longest < len(costs):
+        for axes, label in ((whole, None), (each, f"no room: the clips allow {longest}")):
+            axes.axvspan(longest + 0.5, len(costs) + 1, color="0.9", lw=0, label=label, zorder=0)
     whole.legend(fontsize="small")
     whole.set_ylabel("mean weighted distance (rad²)")
     whole.set_title(title or f"Cost of a {specification} blend from frame {i} to frame {j}")
@@ -51,7 +55,8 @@ def draw_lengths(
         )  # fmt: skip
     each.set_ylabel("mean distance of each joint (rad²)")
     each.set_xlabel("blend length (frames)")
-    each.legend(fontsize="small", ncols=2)
+    marks = "a marker is a joint's minimum"
+    each.legend(fontsize="small", ncols=2, title=marks, title_fontsize="small")
     each.set_xlim(0, len(costs) + 1)
     for axes in (whole, each):
         axes.set_ylim(bottom=0)
@@ -74,16 +79,31 @@ def draw_cost(cost: Array, minima: Sequence[Point], names: tuple[str, str], path
     axes.set_box_aspect(tall)
     picture = axes.imshow(cost, cmap="gray", interpolation="nearest", aspect="auto")
     figure.colorbar(picture, ax=axes, label="cost (darker is cheaper)")
-    axes.plot([p.j for p in minima], [p.i for p in minima], ".", color="#ff9d5c", ms=2.5)
-    cheap = minima[:MARKED]
-    axes.plot([p.j for p in cheap], [p.i for p in cheap], "+", color="#ff9d5c", ms=8)
+    # a point on the edge is whole, and the edges stay where they are
+    shown: dict[str, Any] = {
+        "color": "#ff9d5c",
+        "ls": "",
+        "clip_on": False,
+        "scalex": False,
+        "scaley": False,
+    }
     if minima:
-        best = minima[0]
-        axes.plot(best.j, best.i, "o", mfc="none", mec=_LEFT, ms=11, mew=1.6)
-    axes.set_xlabel(f"frame of {names[1]}")
-    axes.set_ylabel(f"frame of {names[0]}")
+        axes.plot(*_places(minima), marker=".", ms=2.5, label="local minimum", **shown)
+        cheap = minima[:MARKED]
+        told = f"the {len(cheap)} cheapest" if len(cheap) > 1 else "the only one"
+        axes.plot(*_places(cheap), marker="+", ms=8, label=told, **shown)
+        ring = {"mfc": "none", "mec": _LEFT, "ms": 11, "mew": 1.6, "label": "the best"}
+        axes.plot(*_places(minima[:1]), marker="o", **shown | ring)
+        figure.legend(loc="outside lower center", ncols=3, fontsize="small", facecolor="0.75")
+    axes.set_xlabel(f"{names[1]}: frame (30 a second)")
+    axes.set_ylabel(f"{names[0]}: frame (30 a second)")
     figure.suptitle(f"Cost, least {minima[0].cost:.4g}" if minima else "Cost of a transition")
     save(figure, path)
+
+
+def _places(points: Sequence[Point]) -> tuple[list[int], list[int]]:
+    """Columns and rows of points in a matrix."""
+    return [p.j for p in points], [p.i for p in points]
 
 
 def save(figure: "Figure", path: Path) -> None:

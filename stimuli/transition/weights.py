@@ -61,8 +61,17 @@ def read_weights(name: str) -> Weights:
     try:
         text = path.read_text(encoding="utf-8")
         document = json.loads(text) if path.suffix == ".json" else tomllib.loads(text)
-    except (OSError, ValueError, RecursionError) as error:
-        raise InputError(f"{name}: expected weights, found {error}.\n{todo}") from None
+    except OSError as error:
+        missing = isinstance(error, FileNotFoundError)
+        found = "no such file" if missing else (error.strerror or "no file").lower()
+        found = found.removeprefix("is ")  # a directory
+        raise InputError(f"{name}: expected weights, found {found}.\n{todo}") from None
+    except UnicodeDecodeError:
+        raise InputError(f"{name}: expected UTF-8, found another encoding.\n{todo}") from None
+    except (ValueError, RecursionError) as error:
+        kind = "JSON" if path.suffix == ".json" else "TOML"
+        where = f" ({error})" if isinstance(error, ValueError) else ": nested too deep"
+        raise InputError(f"{name}: expected weights, found no {kind}{where}.\n{todo}") from None
     table = document.get("weights", document) if isinstance(document, dict) else document
     if not isinstance(table, dict):
         raise InputError(f"{name}: expected role = weight, found {_short(table)}.\n{todo}")

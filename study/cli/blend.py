@@ -9,18 +9,43 @@ if TYPE_CHECKING:
     from stimuli.transition import Transition
 
 
+METHODS = (
+    "cut", "fixed", "geodesic", "velocity", "velocity-speed", "timewarp", "per-joint",
+    "inertialization", "inertialization-spring", "dead-blending",
+)  # fmt: skip
+SECONDS = 6.0  # of the clip around a cut that is looked for
+LONGEST = 120.0
+
+
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     from study.cli.clips import add_point_arguments
-    from study.cli.common import add_motions_option
+    from study.cli.common import (
+        add_motions_option,
+        add_specification_option,
+        explain_points,
+        number,
+    )
 
+    seconds = number(float, f"seconds above 0, up to {LONGEST:g}", lambda x: 0 < x <= LONGEST)
     add_point_arguments(parser, "; a cut needs no frames and takes the cheapest")
-    parser.add_argument("--method", default="geodesic", help="default geodesic")
+    explain_points(parser)
+    parser.add_argument(
+        "--method",
+        default="geodesic",
+        help=f"{', '.join(METHODS[:-1])} or {METHODS[-1]} (default geodesic)",
+    )
     parser.add_argument("--frames", type=int, help="length, instead of the method's own")
-    parser.add_argument("--specification", default="start-end", help="or center-aligned")
+    add_specification_option(parser)
     parser.add_argument(
         "--weights",
-        default="wang",
-        help="of the cost that a cut of clips without frames is cheapest by: lee, wang or FILE",
+        help="of the cost that a cut of clips without frames is cheapest by: lee, wang or FILE "
+        "(default wang; only there)",
+    )
+    parser.add_argument(
+        "--seconds",
+        type=seconds,
+        help="of clip that such a cut has around it, half before and half after "
+        f"(default {SECONDS:g}; only there)",
     )
     parser.add_argument("--smooth", action="store_true", help="ease the weights by a smoothstep")
     parser.add_argument("--no-foot-lock", action="store_true", help="let feet slide as they will")
@@ -33,15 +58,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     from study.cli.clips import open_library
-    from study.cli.common import check_outputs, print_json
+    from study.cli.common import check_outputs, names_frame, print_json
 
     writers = {".bvh": _write_bvh, ".mp4": _write_video, ".mkv": _write_video}
     check_outputs(("--out", args.out, tuple(writers)))
-    framed = ":" in args.from_point + args.to_point
-    join = _best_cut if args.method == "cut" and not framed else _join
+    framed = names_frame(args.from_point) or names_frame(args.to_point)
+    join = _join if framed or args.method != "cut" else _best_cut
     joined, (i, j) = join(args, open_library(args.motions))
     writers[args.out.suffix.lower()](joined.motion, args.out)
-    first, last = joined.mixed
     if args.json:
         print_json(
             {
@@ -51,23 +75,43 @@ def run(args: argparse.Namespace) -> int:
                 "from": i,
                 "to": j,
                 "frames": joined.frames,
-                "mixed": [first, last],
+                "mixed": list(joined.mixed),
                 "total_frames": len(joined.motion),
             }
         )
     else:
-        print(
-            f"{args.out}: {len(joined.motion)} frames, {joined.method} {joined.specification}, "
-            f"{i} → {j}, {joined.frames} frames of blend at {first}-{last}"
-        )
+        whole = counted(len(joined.motion))
+        print(f"{args.out}: {whole}, {joined.method} {i} → {j}, {_where(joined)}")
     return 0
+
+
+def counted(frames: int) -> str:
+    """A number of frames, in words."""
+    return f"{frames} frame{'' if frames == 1 else 's'}"
+
+
+def _where(joined: "Transition") -> str:
+    """Where the joined motion is mixed; an even center-aligned length mixes one frame more."""
+    first, last = joined.mixed
+    if not joined.frames:
+        return f"cut at {first}"
+    mixed = f"frames {first}-{last}" if last > first else f"frame {first}"
+    return f"{joined.specification}, length {joined.frames}, {mixed} mixed"
 
 
 def _join(args: argparse.Namespace, library: "Library") -> tuple["Transition", tuple[int, int]]:
     """The transition between the two frames named, and their numbers."""
+    from stimuli.errors import InputError
     from stimuli.transition import transition
     from study.cli.clips import open_point, tell_warnings
 
+    idle = [f"--{name}" for name in ("weights", "seconds") if getattr(args, name) is not None]
+    if idle:
+        raise InputError(
+            f"{', '.join(idle)}: expected --method cut and two clips without frames, found "
+            f"--method {args.method} of {args.from_point} and {args.to_point}.\n"
+            "Leave it out: it says which cut is looked for."
+        )
     a, b = open_point(library, args.from_point), open_point(library, args.to_point)
     tell_warnings(a.clip, b.clip)
     joined = transition(
@@ -85,16 +129,22 @@ def _join(args: argparse.Namespace, library: "Library") -> tuple["Transition", t
 
 
 def _best_cut(args: argparse.Namespace, library: "Library") -> tuple["Transition", tuple[int, int]]:
-    """The cheapest cut between two clips with three seconds around it, and its frames."""
+    """The cheapest cut between two clips with room around it, and its frames in the clips."""
+    from stimuli.errors import InputError
     from stimuli.transition.cuts import best_cut
     from stimuli.transition.weights import read_weights
+    from stimuli.transition.window import specified
     from study.cli.clips import tell_warnings
 
-    weights = read_weights(args.weights)
+    if args.frames:
+        raise InputError(f"cut: expected no frames of blend, found {args.frames}.")
+    specified(args.specification)
+    weights = read_weights(args.weights or "wang")
     a, b = library.load(args.from_point), library.load(args.to_point)
     tell_warnings(a, b)
-    joined = best_cut(a.motion, b.motion, weights)
-    return joined, (joined.i, joined.j)
+    frames = round((args.seconds or SECONDS) * a.motion.fps)
+    joined, point = best_cut(a.motion, b.motion, weights, frames, specification=args.specification)
+    return joined, (point.i, point.j)
 
 
 def _write_bvh(motion: "Motion", path: Path) -> None:

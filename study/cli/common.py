@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from stimuli.motion import Motion
 
 HIGHEST = 1e6  # of the velocity weight
+SPECIFICATIONS = ("start-end", "center-aligned")  # `--help` is to load nothing heavy
 
 
 def number(kind: type, expected: str, fits: Callable[[Any], bool]) -> Callable[[str], Any]:
@@ -49,8 +50,36 @@ def add_motions_option(parser: argparse.ArgumentParser) -> None:
 def add_velocity_option(parser: argparse.ArgumentParser) -> None:
     """`--velocity-weight NU`: how much differing velocities count."""
     parser.add_argument(
-        "--velocity-weight", type=VELOCITY, default=1.0, metavar="NU", help="ν, 1 by default"
+        "--velocity-weight", type=VELOCITY, default=1.0, metavar="NU",
+        help="ν, by which differing velocities count (default 1)",
+    )  # fmt: skip
+
+
+def add_specification_option(parser: argparse.ArgumentParser) -> None:
+    """`--specification`: what the two frames of a transition are."""
+    first, other = SPECIFICATIONS
+    parser.add_argument(
+        "--specification", default=first, help=f"{first} or {other} (default {first})"
     )
+
+
+def explain_points(parser: argparse.ArgumentParser) -> None:
+    """What A:i and B:j mean, below the options."""
+    parser.epilog = (
+        "A:i B:j: in start-end the blend begins at frame i of A and ends at frame j of B; in "
+        "center-aligned both meet in its middle. Frames are 0-based, at 30 a second."
+    )
+
+
+def names_frame(text: str) -> bool:
+    """Whether a word of the command line is CLIP:FRAME, as `open_point` reads it.
+
+    A colon alone says nothing: a path may have one.
+    """
+    from stimuli.motion.formats.words import whole
+
+    _, colon, frame = text.rpartition(":")
+    return bool(colon) and whole(frame) is not None
 
 
 def add_room_options(parser: argparse.ArgumentParser) -> None:
@@ -61,7 +90,7 @@ def add_room_options(parser: argparse.ArgumentParser) -> None:
             type=FRAMES,
             default=0,
             metavar="N",
-            help=f"frames wanted {side} the transition",
+            help=f"frames wanted {side} the transition (default 0)",
         )
 
 

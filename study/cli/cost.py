@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from stimuli.motion import Clip, Library
     from stimuli.motion.quaternions import Array
     from stimuli.transition.points import Point
 
@@ -22,11 +23,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
     parser.add_argument("from_clip", metavar="A", help="clip to leave, or a directory of clips")
     parser.add_argument("to_clip", metavar="B", help="clip to enter, or a directory of clips")
-    parser.add_argument("--weights", default="wang", help="lee, wang or FILE of role = weight")
+    parser.add_argument(
+        "--weights",
+        default="wang",
+        help="lee, wang or FILE of role = weight (default wang)",
+    )
     add_velocity_option(parser)
     add_room_options(parser)
     parser.add_argument(
-        "--count", type=COUNT, default=50, metavar="N", help="points wanted of whole directories"
+        "--count",
+        type=COUNT,
+        default=50,
+        metavar="N",
+        help="points wanted of whole directories (default 50)",
     )
     parser.add_argument(
         "--sigma",
@@ -44,19 +53,19 @@ def run(args: argparse.Namespace) -> int:
     from stimuli.transition.plots import PICTURES, draw_cost
     from stimuli.transition.points import TRIVIAL, default_sigma, local_minima, probabilities
     from stimuli.transition.weights import read_weights
-    from study.cli.clips import open_library, tell_warnings
+    from study.cli.clips import is_directory, open_library, tell_warnings
     from study.cli.common import check_outputs, check_room, print_json
 
-    if any(Path(name).is_dir() for name in (args.from_clip, args.to_clip)):
+    if any(is_directory(name) for name in (args.from_clip, args.to_clip)):
         return _search(args)
     check_outputs(("--out", args.out, PICTURES), ("--npz", args.npz, (".npz",)))
     weights = read_weights(args.weights)
     library = open_library(args.motions)
-    a, b = library.load(args.from_clip), library.load(args.to_clip)
+    a, b = _open(library, args.from_clip), _open(library, args.to_clip)
     tell_warnings(a, b)
     check_room(args, [a.motion], [b.motion])
     cost = cost_matrix(a.motion, b.motion, weights, args.velocity_weight)
-    trivial = TRIVIAL if a.sha256 == b.sha256 else -1
+    trivial = TRIVIAL if a.motion.same_as(b.motion) else -1
     minima = local_minima(cost, args.before, args.after, trivial)
     sigma = args.sigma or default_sigma(cost, trivial)
     likely = probabilities(cost, sigma)
@@ -79,7 +88,27 @@ def run(args: argparse.Namespace) -> int:
     if len(listed) > SHOWN:
         print(f"… and {len(listed) - SHOWN} more local minima (--json lists them)")
     _say_if_none(listed, args)
+    for path in (args.out, args.npz):
+        if path:
+            print(f"written: {path}")
     return 0
+
+
+def _open(library: "Library", name: str) -> "Clip":
+    """The clip of a name; one with a frame, as other commands want it, is refused as such."""
+    from stimuli.errors import InputError
+    from study.cli.common import names_frame
+
+    try:
+        return library.load(name)
+    except InputError:
+        if not names_frame(name):
+            raise
+        clip = name.rpartition(":")[0]
+        raise InputError(
+            f"{name}: expected a clip without a frame, found one with: the cost is of every two "
+            f"frames.\nGive {clip}."
+        ) from None
 
 
 def _search(args: argparse.Namespace) -> int:
@@ -91,19 +120,22 @@ def _search(args: argparse.Namespace) -> int:
     from study.cli.clips import open_all
     from study.cli.common import check_room, print_json, progress
 
-    if args.out or args.npz or args.sigma:
+    if given := [f"--{name}" for name in ("out", "npz", "sigma") if getattr(args, name)]:
         raise InputError(
-            "--out, --npz, --sigma: expected two clips, found a directory; search prints."
+            f"{', '.join(given)}: expected two clips, found a directory, whose best points are "
+            "printed.\nLeave it out, or name two clips."
         )
     weights = read_weights(args.weights)
     a, b = open_all(args.motions, [args.from_clip, args.to_clip])
     froms, tos = [clip.motion for clip in a], [clip.motion for clip in b]
     check_room(args, froms, tos)
+    # among the same clips every point is found twice, once each way, and is printed once
+    folded = not args.json and [clip.path for clip in a] == [clip.path for clip in b]
     with progress(blocks(froms, tos), "searching") as step:
         found = search(
             froms,
             tos,
-            count=args.count,
+            count=args.count * (2 if folded else 1),
             weights=weights,
             velocity_weight=args.velocity_weight,
             before=args.before,
@@ -124,13 +156,43 @@ def _search(args: argparse.Namespace) -> int:
     if args.json:
         print_json({"frames": [sum(map(len, froms)), sum(map(len, tos))]} | _minima(listed))
         return 0
-    for entry in listed:
-        print(
-            f"{entry['from_clip']}:{entry['from']} → {entry['to_clip']}:{entry['to']}"
-            f"   {entry['cost']:.6f}"
-        )
+    if folded:
+        listed = _folded(listed)[: args.count]
+    print(f"the {len(listed)} cheapest of {len(a)} clips to {len(b)}, frames at 30 a second")
+    for line in _columns(listed):
+        print(line)
     _say_if_none(listed, args)
     return 0
+
+
+def _columns(listed: list[dict[str, Any]]) -> list[str]:
+    """Points between clips, one a line below a header, in columns."""
+    if not listed:
+        return []
+    rows = [("from", " ", "to", "cost")]
+    rows += [
+        (start, entry.get("way", "→"), end, f"{entry['cost']:.6f}")
+        for entry, (start, end) in ((entry, _ends(entry)) for entry in listed)
+    ]
+    first, _, second, third = (max(map(len, column)) for column in zip(*rows, strict=True))
+    return [f"{a:{first}} {way} {b:{second}}  {cost:>{third}}" for a, way, b, cost in rows]
+
+
+def _folded(listed: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Points of clips among themselves, those found both ways once: the cost is symmetric."""
+    found = {_ends(entry) for entry in listed}
+    kept: dict[tuple[str, str], dict[str, Any]] = {}
+    for entry in listed:
+        there, back = _ends(entry), _ends(entry)[::-1]
+        if back not in kept:
+            kept[there] = entry | {"way": "↔" if back in found else "→"}
+    return list(kept.values())
+
+
+def _ends(entry: dict[str, Any]) -> tuple[str, str]:
+    """Both ends of a point, as CLIP:FRAME."""
+    start, end = ((entry[f"{side}_clip"], entry[side]) for side in ("from", "to"))
+    return f"{start[0]}:{start[1]}", f"{end[0]}:{end[1]}"
 
 
 def _entry(point: "Point", likely: "Array") -> dict[str, Any]:

@@ -8,9 +8,14 @@ FUNCTIONS = ("logistic", "cumulative-normal", "weibull", "gumbel")
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "table", metavar="TABLE.csv", type=Path, help="columns level,correct,total or level,correct"
+        "table",
+        metavar="TABLE.csv",
+        type=Path,
+        help="columns level,correct,total or level,correct (commas, semicolons or tabs)",
     )
-    parser.add_argument("--function", choices=FUNCTIONS, default="logistic")
+    parser.add_argument(
+        "--function", choices=FUNCTIONS, default="logistic", help="default logistic"
+    )
     parser.add_argument("--guess", type=float, default=0.5, help="guess rate (default 0.5)")
     parser.add_argument("--lapse", default="free", help="`free` (default) or a rate")
     parser.add_argument("--at", type=float, default=0.75, help="proportion (default 0.75)")

@@ -1,6 +1,7 @@
 """`segue length`: how long a blend should last, by every method of chapter V."""
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,10 +11,11 @@ if TYPE_CHECKING:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     from study.cli.clips import add_point_arguments
-    from study.cli.common import add_motions_option
+    from study.cli.common import add_motions_option, add_specification_option, explain_points
 
     add_point_arguments(parser)
-    parser.add_argument("--specification", default="start-end", help="or center-aligned")
+    explain_points(parser)
+    add_specification_option(parser)
     parser.add_argument(
         "--out", type=Path, metavar="length.png", help="draw the cost curve and each joint's"
     )
@@ -38,6 +40,8 @@ def run(args: argparse.Namespace) -> int:
         print_json(found)
     else:
         _print_table(found, args.specification)
+        if args.out:
+            print(f"drawn: {args.out}")
     return 0
 
 
@@ -65,17 +69,33 @@ def lengths(a: "Point", b: "Point", specification: str) -> dict[str, Any]:
 
 def _print_table(found: dict[str, Any], specification: str) -> None:
     print(f"{specification}, frames at 30 a second")
+    costs = found["geodesic"]["costs"]
     for name, entry in found.items():
-        print(f"{name:15} {entry['frames']:3d}  {_why(name, entry)}".rstrip())
+        print(f"{name:15} {entry['frames']:3d}  {_why(entry, costs)}".rstrip())
 
 
-def _why(name: str, entry: dict[str, Any]) -> str:
+def _why(entry: dict[str, Any], costs: Sequence[float | None]) -> str:
+    """How a method came to its length; `costs` are of 1, 2, … frames, None where none fits."""
     if "joint" in entry:
         clamp = ", clamped" if entry["clamped"] else ""
         rad = f"{entry['difference']:.4f} rad at {entry['speed']:.4f} a frame"
         return f"{entry['joint']}: {rad}{clamp}"
     if "costs" in entry:
-        return f"cost {min(cost for cost in entry['costs'] if cost is not None):.5f}"
+        return f"cost {costs[entry['frames'] - 1]:.5f}{_at_the_end(entry['frames'], costs)}"
     if "cost" in entry:
         return f"{entry['from_frames']} to {entry['to_frames']} frames, cost {entry['cost']:.5f}"
+    if costs[entry["frames"] - 1] is None:
+        return f"does not fit: the clips allow {_longest(costs)} at most"
     return ""
+
+
+def _longest(costs: Sequence[float | None]) -> int:
+    return max(n for n, cost in enumerate(costs, start=1) if cost is not None)
+
+
+def _at_the_end(frames: int, costs: Sequence[float | None]) -> str:
+    """Words for an optimum that is none: the last length there is, with the curve falling to it."""
+    if frames == 1 or frames < _longest(costs):
+        return ""
+    limit = "that the clips allow" if frames < len(costs) else "that is tried"
+    return f", the longest {limit}: the curve still falls"

@@ -3,6 +3,7 @@
 import argparse
 import json
 import re
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -30,7 +31,13 @@ class Row:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     from study.cli.common import add_motions_option, add_room_options, add_velocity_option
 
-    parser.add_argument("labels", type=Path, metavar="LABELS.csv", help=", ".join(COLUMNS))
+    parser.add_argument(
+        "labels",
+        type=Path,
+        metavar="LABELS.csv",
+        help=f"columns {', '.join(COLUMNS)}; good takes 1, true, yes or good, and 0, false, no or "
+        "bad; frames are 0-based, at 30 a second",
+    )
     add_velocity_option(parser)
     parser.add_argument(
         "--other",
@@ -67,6 +74,12 @@ def run(args: argparse.Namespace) -> int:
     for a, b in pairs:
         check_room(args, [a], [b])
     parts = common_parts([motion for pair in pairs for motion in pair])
+    if len(labelled) < len(parts):
+        print(
+            f"segue: note: {len(labelled)} labels for {len(parts)} weights: many sets of weights "
+            "agree with them as well; label more.",
+            file=sys.stderr,
+        )
     fit = fit_weights(*design_matrix(labelled, parts, args.velocity_weight), parts)
     with progress(len(labelled), "leaving one out") as step:
         own, foreign = leave_one_out(
@@ -79,6 +92,8 @@ def run(args: argparse.Namespace) -> int:
         print_json(found)
     else:
         _print_tables(found)
+        if args.out:
+            print(f"weights written: {args.out}")
     return 0
 
 
@@ -103,24 +118,16 @@ def read_labels(path: Path, library: "Library") -> list[Row]:
 
 def _read_table(path: Path) -> list[tuple[int, dict[str, str]]]:
     """Every row of a CSV with the line on which it ends; InputError where columns are missing."""
-    import csv
-
+    from analysis.psychometric.table import read_table
     from stimuli.errors import InputError
 
-    try:
-        with path.open(encoding="utf-8-sig", newline="") as stream:
-            reader = csv.DictReader(stream, restval="")
-            named = reader.fieldnames or []
-            table = [(reader.line_num, row) for row in reader]
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise InputError(
-            f"{path}: expected a CSV of labelled transitions, found {error}."
-        ) from None
-    if absent := [column for column in COLUMNS if column not in named]:
+    read = read_table(path)
+    if absent := [column for column in COLUMNS if column not in read.header]:
         raise InputError(
             f"{path}: expected columns {', '.join(COLUMNS)}, found no {', '.join(absent)}."
         )
-    return table
+    empty = dict.fromkeys(read.header, "")
+    return [(line, empty | dict(zip(read.header, row, strict=False))) for line, row in read.rows]
 
 
 def _row(entry: Mapping[str, str], library: "Library") -> Row:

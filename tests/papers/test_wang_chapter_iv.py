@@ -9,7 +9,7 @@ from stimuli.errors import InputError
 from stimuli.motion import Library, Motion, forward
 from stimuli.motion import quaternions as quat
 from stimuli.motion.kinematics import headings
-from stimuli.transition.cuts import best_cut, best_cuts
+from stimuli.transition.cuts import best_cut
 from stimuli.transition.distance import cost_matrix, squared_euclidean
 from stimuli.transition.points import cheapest, local_minima
 from stimuli.transition.weights import WEIGHTS
@@ -121,7 +121,7 @@ def bone_speeds(motion: Motion) -> np.ndarray:
 def test_each_weight_set_has_its_best_cut_with_room_for_six_seconds(library):
     """IV.4.1: a dance cut at the best point under either set, three seconds before and after."""
     dance = library.load("05_02").motion
-    cuts = best_cuts(dance, dance)
+    cuts = {weights: best_cut(dance, dance, weights)[0] for weights in ("lee", "wang")}
     for weights, cut in cuts.items():
         assert cut.i >= 90
         assert len(cut.motion) - cut.i - 1 >= 90
@@ -131,6 +131,8 @@ def test_each_weight_set_has_its_best_cut_with_room_for_six_seconds(library):
     assert (cuts["lee"].i, cuts["lee"].j) != (cuts["wang"].i, cuts["wang"].j)
     with pytest.raises(InputError, match="90 frames before"):
         best_cut(dance[:90], dance, "lee")
+    short = best_cut(dance[:90], dance, "lee", clip_frames=178)[0]
+    assert short.i == 89
 
 
 def test_minima_of_a_walk_with_itself_lie_a_cycle_apart(library):

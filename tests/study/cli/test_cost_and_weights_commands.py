@@ -15,7 +15,8 @@ from stimuli.errors import InputError
 from stimuli.files import check_writable, write_atomic
 from stimuli.motion import load, write_walker
 from stimuli.motion.formats.bvh_write import write_bvh
-from stimuli.transition.points import default_sigma, probabilities
+from stimuli.transition import plots
+from stimuli.transition.points import Point, default_sigma, probabilities
 from study.cli import main
 from study.cli.common import print_json
 
@@ -298,4 +299,121 @@ def test_a_search_shows_its_progress_on_a_terminal_even_one_without_a_size(libra
     shown = os.read(leader, 10_000).decode()
     os.close(leader)
     assert "searching:" in shown
-    assert len(done.stdout.splitlines()) == 2
+    assert len(done.stdout.splitlines()) == 4  # two of them a header
+
+
+def test_a_search_of_a_directory_in_itself_prints_every_pair_once_in_columns(call, library):
+    first, header, *lines = call("cost", library, library, "--count", 5)[1].splitlines()
+    assert first.startswith("the 5 cheapest of 2 clips to 2")
+    pairs = [frozenset((line.split()[0], line.split()[2])) for line in lines]
+    assert len(set(pairs)) == len(lines) == 5
+    assert any("↔" in line for line in lines)
+    assert len({len(line) for line in (header, *lines)}) == 1
+
+
+def test_options_that_a_directory_cannot_have_are_named_alone(call, library):
+    err = call("cost", library, library, "--sigma", 1)[2]
+    assert "--sigma" in err
+    assert "--npz" not in err
+
+
+def test_a_frame_is_not_wanted_of_the_cost(call):
+    code, _, err = call("cost", f"{A}:3", B)
+    assert code == 2
+    assert "without a frame" in err
+    assert err.endswith(f"Give {A}.\n")
+
+
+def test_files_that_are_written_are_told(call):
+    out = call("cost", A, B, "--out", "c.svg", "--npz", "c.npz")[1]
+    assert out.splitlines()[-2:] == ["written: c.svg", "written: c.npz"]
+    words = ("length", f"{A}:5", f"{B}:20", "--out", "l.svg")
+    assert call(*words)[1].endswith("drawn: l.svg\n")
+    json.loads(call(*words, "--json")[1])
+    picture = Path("c.svg").read_text()
+    for word in ("frame (30 a second)", "the 10 cheapest", "the best", "local minimum"):
+        assert f"<!-- {word} -->" in picture or word in picture
+
+
+def test_a_best_point_on_the_edge_is_drawn_whole_and_the_edges_stay(monkeypatch, tmp_path):
+    drawn = []
+    monkeypatch.setattr(plots, "save", lambda figure, path: drawn.append(figure))
+    cost = np.arange(12.0).reshape(3, 4)
+    plots.draw_cost(cost, [Point(0, 0, 0.0)], ("a", "b"), tmp_path / "c.png")
+    axes = drawn[0].axes[0]
+    assert not any(line.get_clip_on() for line in axes.lines)
+    assert (axes.get_xlim(), axes.get_ylim()) == ((-0.5, 3.5), (2.5, -0.5))
+    (legend,) = drawn[0].legends
+    said = [text.get_text() for text in legend.get_texts()]
+    assert said == ["local minimum", "the only one", "the best"]
+
+
+@pytest.mark.parametrize("separator", [",", ";", "\t"])
+@pytest.mark.parametrize("mark", ["", "\ufeff"])
+def test_tables_are_read_with_any_separator(call, labels, separator, mark):
+    path = labels(*apart(3, 4))
+    found = call("weights", path, "--json")[1]
+    path.write_text(mark + path.read_text().replace(",", separator), encoding="utf-8")
+    assert call("weights", path, "--json")[:2] == (0, found)
+
+
+@pytest.mark.parametrize("command", ["weights", "fit"])
+@pytest.mark.parametrize(
+    ("content", "told"),
+    [
+        (None, "found no such file"),
+        ("a,b\n".encode("utf-16"), "found UTF-16"),
+        ("a,b\n".encode("utf-16-le"), "found UTF-16"),
+        ("stück,b\n".encode("latin-1"), "found another encoding"),
+    ],
+)
+def test_tables_that_cannot_be_read_are_refused_in_words(
+    call, capsys, tmp_path, command, content, told
+):
+    path = tmp_path / "t.csv"
+    if content is not None:
+        path.write_bytes(content)
+    words = [command, str(path)]
+    code, err = main(words), capsys.readouterr().err
+    assert code == 2
+    assert told in err
+    for python in ("Errno", "codec", "byte"):
+        assert python not in err
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("level;correct;total\n0,5;3;10\n", "a decimal comma: write 0.5"),
+        ("level,correct,total\n0,5,3,10\n", "more fields than columns"),
+        ("level;correct;total\n\n1;x;10\n", "t.csv:3: expected numbers"),
+    ],
+)
+def test_faults_of_a_table_to_fit_are_told(capsys, tmp_path, text, told):
+    path = tmp_path / "t.csv"
+    path.write_text(text)
+    assert main(["fit", str(path)]) == 2
+    assert told in capsys.readouterr().err
+
+
+def test_weights_files_that_cannot_be_read_are_refused_in_words(call, tmp_path):
+    (tmp_path / "wide.toml").write_bytes("hip = 1\n".encode("utf-16"))
+    (tmp_path / "bad.json").write_text("{")
+    for name, told in (
+        ("none.toml", "found no such file"),
+        ("wide.toml", "another encoding"),
+        ("bad.json", "no JSON"),
+    ):
+        code, _, err = call("cost", A, B, "--weights", name)
+        assert code == 2
+        assert told in err
+        assert "Errno" not in err
+        assert len(err.splitlines()) == 2
+
+
+def test_few_labels_get_a_note(call, labels):
+    code, out, err = call("weights", labels(*apart(2, 2)), "--out", "w.toml")
+    assert code == 0
+    assert "4 labels for" in err
+    assert out.endswith("weights written: w.toml\n")
+    assert "note" not in call("weights", labels(*apart(8, 8)))[2]

@@ -1,15 +1,20 @@
 """The commands motions, cost, length, blend and weights, as a person calls them."""
 
+import argparse
 import csv
+import importlib
 import json
+import os
+import subprocess
+import sys
 
 import numpy as np
 import pytest
 
 from stimuli.motion import Motion, load, unroll, walker, write_walker
 from stimuli.motion.formats.bvh_write import write_bvh
-from stimuli.transition import cost_matrix
-from study.cli import main
+from stimuli.transition import METHODS, SPECIFICATIONS, cost_matrix
+from study.cli import blend, common, main
 
 
 @pytest.fixture
@@ -209,3 +214,125 @@ def test_a_cut_without_frames_is_the_cheapest_with_room(call, tmp_path):
     assert (told["from"], told["to"]) == (i + 90, j)
     assert told["total_frames"] == i + 91 + cost.shape[1] - j - 1
     assert call("blend", "one", "other:7", "--method", "cut", "--out", out)[0] == 2
+
+
+@pytest.fixture
+def clips(tmp_path):
+    """A directory with two clips of 100 frames that are no loops, and one with a colon."""
+    long = unroll(walker(0), 0, 300)[0]
+    for name in ("one", "other", "with:colon"):
+        motion = Motion(long.skeleton, long.rotations[:100], long.root[:100])
+        write_bvh(motion, tmp_path / f"{name}.bvh")
+    return tmp_path
+
+
+@pytest.mark.parametrize("pair", [(0, 1), (1, 1)])
+def test_a_cut_of_loops_has_room_and_tells_frames_of_the_loop(call, tmp_path, pair):
+    names = [f"generated-walker-{n}" for n in pair]
+    words = ("blend", *names, "--method", "cut", "--out", tmp_path / "c.bvh")
+    for seconds in (6, 20):
+        told = json.loads(call(*words, "--json", "--seconds", seconds)[1])
+        frames = [len(walker(n)) for n in pair]
+        assert 0 <= told["from"] < frames[0]
+        assert 0 <= told["to"] < frames[1]
+        assert told["mixed"][0] >= 15 * seconds
+        assert told["total_frames"] - told["mixed"][0] - 1 >= 15 * seconds
+    if pair[0] == pair[1]:
+        apart = abs(told["from"] - told["to"])
+        assert min(apart, walker(1).cycle.period - apart) > walker(1).cycle.period / 4
+    out = call(*words)[1]
+    assert "cut at" in out
+    assert "0 frames of blend" not in out
+
+
+def test_a_cut_of_short_clips_names_the_longest_that_fits(call, clips):
+    words = ("blend", "one", "other", "--method", "cut", "--motions", clips, "--out")
+    code, _, err = call(*words, clips / "c.bvh", "--seconds", 7)
+    assert code == 2
+    assert "at most 6.6 seconds (--seconds)" in err
+    assert call(*words, clips / "c.bvh", "--seconds", 6.6)[0] == 0
+    itself = ("blend", "one", "one", "--method", "cut", "--motions", clips, "--out")
+    assert call(*itself, clips / "c.bvh", "--seconds", 5)[0] == 0
+
+
+def test_a_colon_in_a_path_is_no_frame(call, clips):
+    path = clips / "with:colon.bvh"
+    words = ("blend", path, path, "--method", "cut", "--out", clips / "c.bvh")
+    assert call(*words)[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("--method", "cut", "--frames", 4), "no frames of blend"),
+        (("--method", "cut", "--specification", "both"), "start-end or center-aligned"),
+    ],
+)
+def test_a_cut_without_frames_is_refused_what_one_with_frames_is(call, clips, words, told):
+    for ends in (("one", "other"), ("one:40", "other:40")):
+        code, _, err = call("blend", *ends, *words, "--out", clips / "c.bvh", "--motions", clips)
+        assert code == 2
+        assert told in err
+
+
+@pytest.mark.parametrize("option", [("--weights", "wang"), ("--seconds", "3")])
+@pytest.mark.parametrize("method", ["cut", "geodesic"])
+def test_options_of_a_cut_that_is_looked_for_are_refused_elsewhere(call, clips, option, method):
+    code, _, err = call(
+        "blend", "one:40", "other:40", "--method", method, *option,
+        "--out", clips / "c.bvh", "--motions", clips,
+    )  # fmt: skip
+    assert code == 2
+    assert option[0] in err
+    assert len(err.splitlines()) == 2
+
+
+def test_a_blend_tells_its_length_and_the_frames_mixed(call, clips):
+    def said(*words):
+        return call("blend", "one:40", "other:50", *words, "--out", clips / "c.bvh",
+                    "--motions", clips)[1]  # fmt: skip
+
+    centered = said("--frames", 10, "--specification", "center-aligned")
+    assert "length 10, frames 35-45 mixed" in centered
+    assert "length 1, frame 40 mixed" in said("--frames", 1)
+    assert said("--method", "cut").endswith("cut at 40\n")
+
+
+def test_a_length_at_the_clips_end_is_told_as_such(call, clips):
+    words = ("length", "one:70", "other:8", "--motions", clips)
+    lines = dict(line.split(maxsplit=1) for line in call(*words)[1].splitlines()[1:])
+    assert "the clips allow 9 at most" in lines["fixed"]
+    costs = json.loads(call(*words, "--json")[1])["geodesic"]["costs"]
+    falls = costs[8] == min(cost for cost in costs if cost is not None)
+    assert ("the curve still falls" in lines["geodesic"]) == falls
+    assert "allow" not in call("length", "one:40", "other:40", "--motions", clips)[1]
+    picture = clips / "l.svg"
+    call(*words, "--out", picture)
+    for words in ("no room: the clips allow 9", "a marker is a joint's minimum"):
+        assert words in picture.read_text()
+
+
+def test_the_choices_in_the_help_are_those_there_are(capsys):
+    assert tuple(METHODS) == blend.METHODS
+    assert tuple(SPECIFICATIONS) == common.SPECIFICATIONS
+    for command in ("blend", "length"):
+        with pytest.raises(SystemExit):
+            main([command, "--help"])
+        out = " ".join(capsys.readouterr().out.split())
+        assert "begins at frame i of A and ends at frame j of B" in out
+        assert "start-end or center-aligned" in out
+
+
+@pytest.mark.parametrize("command", ["blend", "length", "cost", "weights", "fit"])
+def test_help_has_no_blanks_and_loads_nothing_heavy(command):
+    script = (
+        "import sys\nfrom study.cli import main\n"
+        f"try: main(['{command}', '--help'])\nexcept SystemExit: pass\n"
+        "print([m for m in ('numpy', 'scipy', 'matplotlib') if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True,
+                          env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)})  # fmt: skip
+    assert done.stdout.endswith("[]\n"), done.stderr
+    parser = argparse.ArgumentParser()
+    importlib.import_module(f"study.cli.{command}").add_arguments(parser)
+    assert all(action.help for action in parser._actions)
