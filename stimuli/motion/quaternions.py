@@ -64,7 +64,7 @@ def rotate(q: Array, v: Array) -> Array:
     """Vectors v (..., 3) turned by q (..., 4)."""
     if q.size + v.size < _FEW:
         matrices = _of_pairs(q, q, _MATRIX).reshape(*q.shape[:-1], 3, 3)
-        return np.asarray(np.einsum("...ij,...j->...i", matrices, v))
+        return np.asarray(np.vecdot(matrices, v[..., None, :]))
     twice = 2.0 * cross(q[..., 1:], v)
     return v + q[..., :1] * twice + cross(q[..., 1:], twice)
 

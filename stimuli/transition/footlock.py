@@ -87,11 +87,11 @@ def _moved(skeleton: Skeleton, rotations: Array, pose: LegPose, shift: Array, dr
     """Local rotations (N, J, 4): the body sunk, the ankles moved, the feet turned as they were."""
     legs = legs_of(skeleton)
     hips, knees, ankles = legs.joints
-    hinge = bend_axis(pose.knee - pose.hip, pose.ankle - pose.knee, pose.thigh)
+    hinge, side = bend_axis(pose.knee - pose.hip, pose.ankle - pose.knee, pose.thigh)
     # a body that sinks takes its ankles along, which are brought back up
     target = pose.ankle + shift
     target[..., 1] += drop[:, None]
-    turns = reach_out(pose.hip, pose.knee, pose.ankle, target, hinge)
+    turns = reach_out(pose.hip, pose.knee, pose.ankle, target, hinge, side)
     thigh, shank = (
         quat.multiply(t, q) for t, q in zip(turns, (pose.thigh, pose.shank), strict=True)
     )

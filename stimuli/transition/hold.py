@@ -8,7 +8,7 @@ gone soon after the last plant that the blend touches, however long that stands.
 """
 
 import numpy as np
-from scipy.linalg import solveh_banded
+from scipy.linalg.lapack import dpbsv
 
 from stimuli.motion.quaternions import Array
 
@@ -93,4 +93,4 @@ def _smoothest(
     bands[0, 2:] = bends[2:-2]
     pull = weight[:, None] * wanted
     toward = pull[:-1] - pull[1:] + close[:, None] * to
-    return np.asarray(solveh_banded(bands, toward, check_finite=False))
+    return np.asarray(dpbsv(bands, toward)[1])

@@ -12,13 +12,13 @@ _RIGHTED = (
 
 
 def reach_out(
-    hip: Array, knee: Array, ankle: Array, target: Array, hinge: Array
+    hip: Array, knee: Array, ankle: Array, target: Array, hinge: Array, side: Array
 ) -> tuple[Array, Array]:
     """World rotations (N, 4) of the thigh and of the shank that bring the ankle to its target.
 
     Positions (N, 3). The knee bends about `hinge` (N, 3), the axis about which it usually is bent;
-    one that is overstretched turns over as its leg is made shorter. A target out of reach is
-    approached, limb lengths never change.
+    where it is overstretched (`side` (N,) is −1, else 1) it turns over as its leg is made shorter.
+    A target out of reach is approached, limb lengths never change.
     """
     thigh, shank = knee - hip, ankle - knee
     upper, lower = quat.norm(thigh), quat.norm(shank)
@@ -28,7 +28,6 @@ def reach_out(
     change = quat.norm(target - hip) - now
     wanted = np.maximum(now + np.where(change > 0, _eased(change, room), change), upper - lower)
     wanted = np.maximum(wanted, lower - upper)
-    side = np.where(np.vecdot(quat.cross(thigh, shank), hinge) < 0, -1.0, 1.0)
     angle, to = side * _knee_angle(upper, lower, now), _knee_angle(upper, lower, wanted)
     righted = np.minimum(np.abs(wanted - now) / _RIGHTED, 1.0)
     bend = _turn(hinge, np.where(side < 0, righted, 1.0) * (to - angle))
@@ -46,10 +45,10 @@ def between(start: Array, end: Array) -> Array:
     )
 
 
-def bend_axis(thigh: Array, shank: Array, orientation: Array) -> Array:
+def bend_axis(thigh: Array, shank: Array, orientation: Array) -> tuple[Array, Array]:
     """Unit axes (N, ..., 3) about which shanks bend from thighs; near straight, the usual ones.
 
-    An overstretched knee has the axis about which it would bend back.
+    And a side (N, ...): −1 where a knee is overstretched, whose axis would bend it back, else 1.
 
     Thighs and shanks (N, ..., 3) over N frames. The usual axis is one in the frame of the thigh,
     whose `orientation` (N, ..., 4) is given: the mean over the frames, most bent counting most.
@@ -61,9 +60,10 @@ def bend_axis(thigh: Array, shank: Array, orientation: Array) -> Array:
     usual = quat.rotate(orientation, usual)
     sine = np.vecdot(axis, usual) / (quat.norm(thigh) * quat.norm(shank))
     trusted = np.clip((np.abs(sine) - 0.02) / 0.1, 0.0, 1.0)[..., None]
-    own = np.where(sine[..., None] < 0, -axis, axis) / np.maximum(quat.norm(axis), 1e-12)[..., None]
+    side = np.where(sine < 0, -1.0, 1.0)
+    own = (side / np.maximum(quat.norm(axis), 1e-12))[..., None] * axis
     mixed = trusted * own + (1 - trusted) * usual
-    return np.asarray(mixed / np.maximum(quat.norm(mixed)[..., None], 1e-12))
+    return mixed / np.maximum(quat.norm(mixed)[..., None], 1e-12), side
 
 
 def _eased(change: Array, room: Array) -> Array:

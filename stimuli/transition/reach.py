@@ -1,6 +1,7 @@
 """Where legs are too short to hold a foot: the body sinks a little, then it is held in part."""
 
 import numpy as np
+from scipy.ndimage import convolve1d, maximum_filter1d
 
 from stimuli.motion import quaternions as quat
 from stimuli.motion.quaternions import Array
@@ -9,6 +10,7 @@ EASY = 0.992  # of a leg's whole length: as far as it reaches without being stra
 DEEPEST = 0.03  # metres that a body sinks at the most, about as far as in any step
 NEAREST = 0.5  # of its distance from the hip: a foot is moved no farther than this
 SINKING = 10  # frames over which it sinks and rises
+_SOFT = np.hanning(SINKING + 3)[1:-1] / np.hanning(SINKING + 3).sum()
 
 
 def sinking(leg: Array, whole: Array, shift: Array, start: int) -> Array:
@@ -28,11 +30,8 @@ def sinking(leg: Array, whole: Array, shift: Array, start: int) -> Array:
     needed[:start] = 0.0
     if not needed.any():
         return needed
-    half = SINKING // 2
-    wide = np.pad(needed, 2 * half)
-    largest = np.lib.stride_tricks.sliding_window_view(wide, 2 * half + 1).max(axis=1)
-    kernel = np.hanning(2 * half + 3)[1:-1]
-    return np.convolve(largest, kernel / kernel.sum(), mode="valid")
+    largest = maximum_filter1d(needed, len(_SOFT), mode="nearest")
+    return np.asarray(convolve1d(largest, _SOFT, mode="nearest"))
 
 
 def reached(leg: Array, whole: Array, shift: Array, drop: Array) -> Array:

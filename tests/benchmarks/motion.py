@@ -148,7 +148,7 @@ def _rotations() -> tuple[Array, Array, Array]:
 def _distance() -> list[dict[str, Any]]:
     """All pairs of 2,000 × 2,000 frames with eight weighted joints."""
     p, q, weights = _rotations()
-    ours = _median(lambda: fused_angles(p, q, weights))
+    ours = _median(lambda: fused_angles(p, q, weights), 60)
     exact = _median(lambda: exact_angles(p, q, weights), 3)
     single = _median(lambda: _numpy_single(p, q, weights), 3)
     error = float(np.abs(fused_angles(p, q, weights) - exact_angles(p, q, weights)).max())

@@ -1,5 +1,6 @@
 """Wang 2005, chapter IV: the cost, its insensitivity to ν, its weights."""
 
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -44,14 +45,26 @@ def test_the_cost_is_spread_over_its_range(dances):
     assert 0.02 < quartiles[0] < quartiles[1] < quartiles[2] < 0.9
 
 
-def test_the_optimised_weights_are_more_restrictive(dances):
-    """IV.2: "in general, the cost with new weights has become more restrictive"."""
-    shares = []
-    for weights in ("lee", "wang"):
-        cost = cost_matrix(*dances, weights)
-        shares.append(np.mean(cost < cost.min() + 0.1 * (cost.max() - cost.min())))
-    assert shares[1] > 0
-    assert shares[0] > 0
+def test_how_restrictive_either_weight_set_is(library, capsys):
+    """IV.2: "in general, the cost with new weights has become more restrictive".
+
+    For one pair of dances, by the look of a picture. By the share of cells within a tenth of the
+    range of costs neither set is, over pairs of our dances: here it is told, and held to be small.
+    """
+    shares = {
+        weights: [
+            float(np.mean(cost < cost.min() + 0.1 * np.ptp(cost)))
+            for cost in (
+                cost_matrix(library.load(a).motion, library.load(b).motion, weights)
+                for a, b in combinations(DANCES, 2)
+            )
+        ]
+        for weights in ("lee", "wang")
+    }
+    with capsys.disabled():
+        print(f"\nshare of cells within a tenth of the range, median: lee "
+              f"{np.median(shares['lee']):.3f}, wang {np.median(shares['wang']):.3f}")  # fmt: skip
+    assert all(0 < share < 0.25 for of_set in shares.values() for share in of_set)
 
 
 def test_how_far_the_best_point_moves_with_nu(library, capsys):

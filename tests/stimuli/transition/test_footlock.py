@@ -240,13 +240,13 @@ def test_an_overstretched_knee_bends_forward_without_turning_the_thigh():
     hip = np.zeros((frames, 3))
     knee = hip + np.array([0.0, -0.45, 0.0])
     ankle = knee + 0.4 * np.stack([0 * angle, -np.cos(angle), -np.sin(angle)], axis=-1)
-    hinge = bend_axis(knee - hip, ankle - knee, np.tile(quat.IDENTITY, (frames, 1)))
+    hinge, side = bend_axis(knee - hip, ankle - knee, np.tile(quat.IDENTITY, (frames, 1)))
     assert np.allclose(hinge, hinge[0], atol=1e-9)
-    thigh, shank = reach_out(hip, knee, ankle, ankle + np.array([0.0, 0.15, 0.0]), hinge)
+    thigh, shank = reach_out(hip, knee, ankle, ankle + np.array([0.0, 0.15, 0.0]), hinge, side)
     assert quat.geodesic(thigh[1:], thigh[:-1]).max() < 0.1
     bent = quat.cross(quat.rotate(thigh, knee - hip), quat.rotate(shank, ankle - knee))
     assert np.all(np.vecdot(bent, hinge) > 0)
-    still = reach_out(hip, knee, ankle, ankle, hinge)
+    still = reach_out(hip, knee, ankle, ankle, hinge, side)
     assert quat.geodesic(still[0], quat.IDENTITY).max() < 1e-6
 
 
@@ -281,8 +281,8 @@ def test_two_bones_reach_what_is_within_reach_and_approach_the_rest():
     knee = np.tile([0.0, -0.4, 0.02], (200, 1))
     ankle = knee + rng.normal([0.0, -0.35, -0.1], 0.03, (200, 3))
     target = ankle + rng.normal(0, 0.05, (200, 3))
-    hinge = bend_axis(knee - hip, ankle - knee, np.tile(quat.IDENTITY, (200, 1)))
-    thigh, shank = reach_out(hip, knee, ankle, target, hinge)
+    hinge, side = bend_axis(knee - hip, ankle - knee, np.tile(quat.IDENTITY, (200, 1)))
+    thigh, shank = reach_out(hip, knee, ankle, target, hinge, side)
     moved_knee = quat.rotate(thigh, knee - hip)
     moved = moved_knee + quat.rotate(shank, ankle - knee)
     longest = np.linalg.norm(knee, axis=1) + np.linalg.norm(ankle - knee, axis=1)
