@@ -336,3 +336,9 @@ def test_help_has_no_blanks_and_loads_nothing_heavy(command):
     parser = argparse.ArgumentParser()
     importlib.import_module(f"study.cli.{command}").add_arguments(parser)
     assert all(action.help for action in parser._actions)
+
+
+def test_a_clip_name_longer_than_any_file_s_is_refused_and_not_printed_whole(call):
+    code, _, err = call("cost", "a" * 5000, "generated-walker-0")
+    assert code == 2
+    assert len(err) < 1000
