@@ -174,15 +174,17 @@ def leave_one_out(
         pairs.setdefault((id(t.a), id(t.b)), []).append(row)
     own: dict[int, Left] = {}
     for asked in pairs.values():
-
-        def tell(share: float, done: int = len(own), more: int = len(asked)) -> None:
-            if progress:
-                progress(done + round(share * more))
-
-        first = transitions[asked[0]]
+        first, tell = transitions[asked[0]], _shares(progress, len(own), len(asked))
         own |= {left.row: left for left in judged(first.a, first.b, asked, tell)}
     foreign = judged(*other, rows, lambda share: None) if other else []
     return [own[row] for row in rows], foreign
+
+
+def _shares(
+    progress: Callable[[int], None] | None, done: int, more: int
+) -> Callable[[float], None]:
+    """Tells `progress` of shares of `more` rows beyond those that are done."""
+    return lambda share: progress(done + round(share * more)) if progress else None
 
 
 def _best_points(

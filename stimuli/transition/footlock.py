@@ -18,9 +18,10 @@ from stimuli.transition.window import Window
 
 
 def lock_feet(motion: Motion, a: Motion, b: Motion, window: Window) -> Motion:
-    """The blended motion with planted feet held; `a` and `b` are the sources as captured.
+    """The blended motion with planted feet held; `a` and `b` are the sources as they were played.
 
-    Frames more than an easing away from plants that the blend touches are left as they are.
+    Frames before the easing into the blend, and after that out of the last plant which the blend
+    touches, are left as they are.
     """
     first = max(window.first - EASE, 0)
     carried = _carried(contacts(a), contacts(b), window, slice(first, len(motion)))

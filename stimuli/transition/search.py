@@ -79,24 +79,18 @@ def search(
     same = np.array([[a.same_as(b) for b in to_motions] for a in from_motions])
     best: list[tuple[float, tuple[int, int]]] = []  # a heap of the cheapest, the dearest on top
     for done, (top, left) in enumerate(_corners(len(rows.frame), len(columns.frame), block), 1):
-        cost, (r0, c0) = _block(rows, columns, top, left, block, scale)
+        cost, corner = _block(rows, columns, top, left, block, scale)
         if len(best) < count:  # a hundredth of a block is likely to hold as many as are wanted
             limits = [float(np.quantile(cost[::7, ::7], 0.01)), np.inf]
         else:
             limits = [-best[0][0]]
         for limit in limits:
-            cells = _below(cost, limit, top - r0, left - c0, block)
-            cells = cells[_sound(rows, columns, cells + np.array([r0, c0]), same, trivial)]
-            cells = cells[_are_minima(cost, cells, rows, columns, (r0, c0))]
+            cells = _below(cost, limit, top - corner[0], left - corner[1], block)
+            cells = cells[_sound(rows, columns, cells + np.array(corner), same, trivial)]
+            cells = cells[_are_minima(cost, cells, rows, columns, corner)]
             if len(cells) >= count:
                 break
-        values = cost[tuple(cells.T)]
-        for k in np.argsort(values, kind="stable")[:count]:
-            entry = (-float(values[k]), (r0 + int(cells[k, 0]), c0 + int(cells[k, 1])))
-            if len(best) < count:
-                heapq.heappush(best, entry)
-            elif entry[0] > best[0][0]:
-                heapq.heapreplace(best, entry)
+        _keep(best, count, cost[tuple(cells.T)], cells + np.array(corner))
         if progress:
             progress(done)
     return [
@@ -175,6 +169,18 @@ def _with_squares(cost: npt.NDArray[Any], x: Array, y: Array) -> npt.NDArray[Any
     # BLAS goes down columns, so that our rows are its columns: everything is transposed
     factors = (right.astype(cost.dtype).T, left.astype(cost.dtype).T)
     return np.asarray(gemm(1.0, *factors, 1.0, cost.T, trans_a=True, overwrite_c=True).T)
+
+
+def _keep(
+    best: list[tuple[float, tuple[int, int]]], count: int, costs: Array, places: np.ndarray
+) -> None:
+    """Take those of some places (N, 2) into the heap `best` that are among the `count` cheapest."""
+    for k in np.argsort(costs, kind="stable")[:count]:
+        entry = (-float(costs[k]), (int(places[k, 0]), int(places[k, 1])))
+        if len(best) < count:
+            heapq.heappush(best, entry)
+        elif entry[0] > best[0][0]:
+            heapq.heapreplace(best, entry)
 
 
 def _below(

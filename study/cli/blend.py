@@ -57,8 +57,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    from study.cli.clips import open_library
-    from study.cli.common import check_outputs, names_frame, print_json
+    from study.cli.clips import names_frame, open_library
+    from study.cli.common import check_outputs, print_json
 
     writers = {".bvh": _write_bvh, ".mp4": _write_video, ".mkv": _write_video}
     check_outputs(("--out", args.out, tuple(writers)))

@@ -32,16 +32,28 @@ def open_library(motions: list[Path] | None) -> "Library":
     return Library(motion_directories(motions))
 
 
+def names_frame(text: str) -> bool:
+    """Whether a word of the command line is CLIP:FRAME; a path may have colons of its own."""
+    return _named(text)[1] is not None
+
+
+def _named(text: str) -> tuple[str, int | None]:
+    """The clip that a word of the command line names, and its frame where it names one."""
+    from stimuli.motion.formats.words import whole
+
+    name, colon, number = text.rpartition(":")
+    frame = whole(number) if colon else None
+    return (text, None) if frame is None else (name, frame)
+
+
 def open_point(library: "Library", text: str) -> Point:
     """The frame that `CLIP:FRAME` names; InputError when there is none such."""
     from stimuli.errors import InputError
     from stimuli.motion.formats.source import shown
-    from stimuli.motion.formats.words import whole
     from stimuli.transition import with_room
 
-    name, colon, number = text.rpartition(":")
-    frame = whole(number)
-    if not colon or frame is None:
+    name, frame = _named(text)
+    if frame is None:
         raise InputError(f"{shown(text, 200)}: expected CLIP:FRAME, such as walk:42.")
     clip = library.load(name)
     if frame >= len(clip.motion):

@@ -71,17 +71,6 @@ def explain_points(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def names_frame(text: str) -> bool:
-    """Whether a word of the command line is CLIP:FRAME, as `open_point` reads it.
-
-    A colon alone says nothing: a path may have one.
-    """
-    from stimuli.motion.formats.words import whole
-
-    _, colon, frame = text.rpartition(":")
-    return bool(colon) and whole(frame) is not None
-
-
 def add_room_options(parser: argparse.ArgumentParser) -> None:
     """`--before N` and `--after N`: frames that a transition point must have around it."""
     for side in ("before", "after"):

@@ -97,7 +97,7 @@ def run(args: argparse.Namespace) -> int:
 def _open(library: "Library", name: str) -> "Clip":
     """The clip of a name; one with a frame, as other commands want it, is refused as such."""
     from stimuli.errors import InputError
-    from study.cli.common import names_frame
+    from study.cli.clips import names_frame
 
     try:
         return library.load(name)
