@@ -32,7 +32,7 @@ from study.tasks import TASKS, Task
 from study.trial import ClipKey
 
 if TYPE_CHECKING:
-    from stimuli.build import Manifest
+    from stimuli.sets import Manifest
 
 OBSERVERS = ("human", "simulated")
 
@@ -218,7 +218,7 @@ def _exists(manifest: "Manifest", key: ClipKey) -> bool:
 def _open_window(
     request: Request, plan: Plan, task: Task, manifest: "Manifest", flip_log: Path
 ) -> Stage:
-    from stimuli.build.video import decode
+    from stimuli.sets.video import decode
     from study.screen.clips import ClipCache
     from study.screen.window import Look, WindowStage
 

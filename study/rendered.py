@@ -14,7 +14,7 @@ from study.protocol import Protocol
 from study.schema import MotionPair, Role
 
 if TYPE_CHECKING:
-    from stimuli.build import Manifest
+    from stimuli.sets import Manifest
 
 MOST_TOLD = 3
 SETS = Path("stimulus-sets")

@@ -7,8 +7,8 @@ from stimuli.errors import InputError
 from study.protocol import Protocol
 
 if TYPE_CHECKING:
-    from stimuli.build import Manifest, SetSpec
     from stimuli.motion import Library
+    from stimuli.sets import Manifest, SetSpec
 
 
 def choose_set(protocol: Protocol, library: "Library", name: str | None = None) -> str:
@@ -43,7 +43,7 @@ def set_spec(
     protocol: Protocol, set_name: str | None, library: "Library", rehearsal: bool = False
 ) -> "SetSpec":
     """What the stimulus builder needs to know of a protocol; a rehearsal has one short motion."""
-    from stimuli.build import Appearance, Pairing, SetSpec
+    from stimuli.sets import Appearance, Pairing, SetSpec
 
     file = protocol.file
     stimuli = file.stimuli
@@ -81,7 +81,7 @@ def set_spec(
 
 def _refuse_alike(protocol: Protocol, spec: "SetSpec", library: "Library") -> None:
     """A motion whose methods give nearly the same length compares nothing: InputError."""
-    from stimuli.build import resolve
+    from stimuli.sets import resolve
 
     apart = protocol.file.stimuli.methods_apart
     for pairing in resolve(spec, library):
@@ -127,7 +127,7 @@ def references(
 def _computed(
     protocol: Protocol, library: "Library | None", set_name: str | None
 ) -> dict[str, int]:
-    from stimuli.build import resolve
+    from stimuli.sets import resolve
 
     if library is None:
         raise InputError(f"{protocol.name}: expected motions to compute lengths, found none")

@@ -78,8 +78,8 @@ def _motions(option: list[Path] | None, out: Path) -> list[Path]:
 
 
 def _stimuli(directories: list[Path], out: Path) -> Path:
-    from stimuli.build import build
     from stimuli.motion import Library
+    from stimuli.sets import build
     from study.protocol import load
     from study.sets import set_spec
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from study.cli.common import add_motions_option, print_json, progress
 
 if TYPE_CHECKING:
-    from stimuli.build import Manifest
+    from stimuli.sets import Manifest
     from study.duration import Duration
 
 
@@ -31,9 +31,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Render what is missing and say what the set holds."""
-    from stimuli.build import build, prune, resolve
     from stimuli.errors import InputError
     from stimuli.motion import Library, motion_directories
+    from stimuli.sets import build, prune, resolve
     from study.duration import session_duration
     from study.protocol import load
     from study.rendered import SETS
@@ -67,7 +67,7 @@ def _dry_run(
     resolved: Any,
     duration: "Duration",
 ) -> int:
-    from stimuli.build import inventory
+    from stimuli.sets import inventory
 
     would = inventory(spec, library, out)
     document = {
@@ -103,7 +103,7 @@ def _session(duration: "Duration") -> dict[str, Any]:
 def _tell(
     args: argparse.Namespace, manifest: "Manifest", pruned: int, duration: "Duration"
 ) -> None:
-    from stimuli.build import stale_clips
+    from stimuli.sets import stale_clips
 
     stale = len(stale_clips(manifest))
     if args.json:
@@ -141,8 +141,8 @@ def _lengths(methods: Any, lengths: Any) -> str:
 
 def _write_strips(manifest: "Manifest") -> None:
     """A film strip of each clip around its transition, beside the clip."""
-    from stimuli.build.video import decode
     from stimuli.render import strip, write_png
+    from stimuli.sets.video import decode
 
     for entry in {entry.hash: entry for entry in manifest.clips}.values():
         first, last = entry.document["mixed"]

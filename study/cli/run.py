@@ -75,9 +75,9 @@ def run(args: argparse.Namespace) -> int:
 
 def _stimuli(args: argparse.Namespace, protocol: Any) -> Any:
     """The stimulus set; a rehearsal's short one is built on the way."""
-    from stimuli.build import build, load_manifest
     from stimuli.errors import InputError
     from stimuli.motion import Library, motion_directories
+    from stimuli.sets import build, load_manifest
     from study.rendered import SETS, render_command
     from study.sets import set_spec
 

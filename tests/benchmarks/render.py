@@ -46,7 +46,7 @@ def _row(
 
 def _measured(name: str) -> float:
     """The median of several runs, each in a process of its own, as contexts must not meet."""
-    from stimuli.build.workers import ENVIRONMENT
+    from stimuli.sets.workers import ENVIRONMENT
 
     values = []
     for _ in range(RUNS):

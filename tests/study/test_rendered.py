@@ -7,9 +7,9 @@ from typing import Any
 
 import pytest
 
-from stimuli.build import load_manifest
-from stimuli.build.manifest import Manifest
 from stimuli.errors import InputError
+from stimuli.sets import load_manifest
+from stimuli.sets.manifest import Manifest
 from study.lab import Request, run_session
 from study.protocol import Protocol, load
 from study.rendered import check_rendered

@@ -53,7 +53,7 @@ def test_without_clips_every_set_says_what_it_lacks(tmp_path: Path) -> None:
 
 
 def test_geodesic_references_are_computed_from_the_motions(library: Library) -> None:
-    from stimuli.build import resolve
+    from stimuli.sets import resolve
 
     protocol = parse(BY_GEODESIC)
     found = references(protocol, library)
@@ -103,8 +103,8 @@ def test_a_length_below_one_frame_is_refused_or_dropped() -> None:
 def test_nothing_before_the_blend_tells_the_clips_apart(name: str, sample_motions: Path) -> None:
     import numpy as np
 
-    from stimuli.build import resolve
-    from stimuli.build.layout import lay_out
+    from stimuli.sets import resolve
+    from stimuli.sets.layout import lay_out
 
     library = Library([sample_motions])
     spec = set_spec(load(name), "sample", library)

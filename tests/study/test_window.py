@@ -51,8 +51,8 @@ slope = 1.0
 @pytest.fixture(scope="module")
 def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A protocol and its stimulus set, of generated motion."""
-    from stimuli.build import build
     from stimuli.motion import write_walker
+    from stimuli.sets import build
 
     folder = tmp_path_factory.mktemp("window")
     (folder / "p.toml").write_text(PROTOCOL)

@@ -4,9 +4,9 @@ import warnings
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
-from stimuli.build.spec import Pairing, SetSpec
 from stimuli.errors import InputError, InputWarning
 from stimuli.motion.library import Library
+from stimuli.sets.spec import Pairing, SetSpec
 from stimuli.transition import METHODS, Length, with_room
 from stimuli.transition.distance import check_pair
 

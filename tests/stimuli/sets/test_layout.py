@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from stimuli.build import Pairing, SetSpec, clip_motion, resolve
-from stimuli.build.layout import frame_of_i, lay_out
 from stimuli.errors import InputError
 from stimuli.motion import Library, Motion, load
+from stimuli.sets import Pairing, SetSpec, clip_motion, resolve
+from stimuli.sets.layout import frame_of_i, lay_out
 from stimuli.transition.footlock import EASE
 
 lengths = st.integers(1, 40)

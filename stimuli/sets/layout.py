@@ -10,12 +10,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stimuli.build.plan import ResolvedPairing
-from stimuli.build.spec import Pairing, SetSpec
 from stimuli.errors import InputError
 from stimuli.motion.library import Library
 from stimuli.motion.loops import unroll
 from stimuli.motion.skeleton import Motion
+from stimuli.sets.plan import ResolvedPairing
+from stimuli.sets.spec import Pairing, SetSpec
 from stimuli.transition import LONGEST, Transition, transition
 
 

@@ -5,12 +5,12 @@ transition, `building` renders what is missing in processes of their own (`worke
 is what a session reads. Nothing here opens a window or imports OpenGL in this process.
 """
 
-from stimuli.build.building import Inventory, build, inventory, prune, stale_clips
-from stimuli.build.layout import clip_motion
-from stimuli.build.manifest import ClipEntry, Manifest, load_manifest
-from stimuli.build.plan import ResolvedPairing, resolve
-from stimuli.build.spec import Pairing, SetSpec
 from stimuli.render.appearance import Appearance
+from stimuli.sets.building import Inventory, build, inventory, prune, stale_clips
+from stimuli.sets.layout import clip_motion
+from stimuli.sets.manifest import ClipEntry, Manifest, load_manifest
+from stimuli.sets.plan import ResolvedPairing, resolve
+from stimuli.sets.spec import Pairing, SetSpec
 
 __all__ = [
     "Appearance",

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from stimuli.build.layout import LaidOut
 from stimuli.motion.kinematics import forward
 from stimuli.motion.skeleton import Motion
+from stimuli.sets.layout import LaidOut
 
 
 def end_displacements(clip: LaidOut, reference: LaidOut) -> dict[str, float | None]:

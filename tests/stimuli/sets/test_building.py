@@ -14,12 +14,12 @@ import numpy as np
 import pytest
 from filelock import FileLock
 
-from stimuli.build import SetSpec, build, inventory, load_manifest, prune, stale_clips
-from stimuli.build.group import plan_group
-from stimuli.build.plan import resolve
-from stimuli.build.video import decode
 from stimuli.errors import InputError
 from stimuli.motion import Library, forward
+from stimuli.sets import SetSpec, build, inventory, load_manifest, prune, stale_clips
+from stimuli.sets.group import plan_group
+from stimuli.sets.plan import resolve
+from stimuli.sets.video import decode
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -124,7 +124,7 @@ def test_a_second_build_of_the_same_set_waits_its_turn(
 BUILD = """
 import sys
 from pathlib import Path
-from stimuli.build import Appearance, Pairing, SetSpec, build
+from stimuli.sets import Appearance, Pairing, SetSpec, build
 from stimuli.motion import Library
 pairing = Pairing("walk", "generated-walker-0", 12, "generated-walker-1", 20)
 spec = SetSpec("tiny", (pairing,), "center-aligned", reference=6, shorter=tuple(range(1, 6)),

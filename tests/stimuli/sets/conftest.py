@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from stimuli.build import Appearance, Pairing, SetSpec
 from stimuli.motion import Library, write_walker
+from stimuli.sets import Appearance, Pairing, SetSpec
 
 SMALL = Appearance(width=96, height=72, body="parts")
 

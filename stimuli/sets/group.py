@@ -10,11 +10,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stimuli.build.ends import end_displacements
-from stimuli.build.layout import LaidOut, lay_out
-from stimuli.build.manifest import digest
-from stimuli.build.plan import ResolvedPairing
-from stimuli.build.spec import SetSpec
 from stimuli.errors import InputWarning
 from stimuli.motion.clip import Clip
 from stimuli.motion.library import Library
@@ -22,6 +17,11 @@ from stimuli.motion.skeleton import Motion
 from stimuli.render.bodies import Body, bone_motion, make_body
 from stimuli.render.camera import Camera
 from stimuli.render.clip import group_camera
+from stimuli.sets.ends import end_displacements
+from stimuli.sets.layout import LaidOut, lay_out
+from stimuli.sets.manifest import digest
+from stimuli.sets.plan import ResolvedPairing
+from stimuli.sets.spec import SetSpec
 from stimuli.transition.measures import measures
 
 DIGITS = 24  # of the hash that names a clip

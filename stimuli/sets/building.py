@@ -13,14 +13,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from stimuli.build.group import PlannedClip, PlannedGroup, plan_group
-from stimuli.build.manifest import FORMAT, NAME, Manifest, from_document, set_hash
-from stimuli.build.plan import resolve
-from stimuli.build.spec import SetSpec
-from stimuli.build.workers import Job, Rendered, render_all
 from stimuli.errors import InputError
 from stimuli.files import write_atomic
 from stimuli.motion.library import Library
+from stimuli.sets.group import PlannedClip, PlannedGroup, plan_group
+from stimuli.sets.manifest import FORMAT, NAME, Manifest, from_document, set_hash
+from stimuli.sets.plan import resolve
+from stimuli.sets.spec import SetSpec
+from stimuli.sets.workers import Job, Rendered, render_all
 
 CLIPS = "clips"
 Progress = Callable[[int, int], None]

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from stimuli.build import Pairing, SetSpec, resolve
-from stimuli.build.ends import end_displacements
-from stimuli.build.layout import lay_out
 from stimuli.motion import Library, write_walker
+from stimuli.sets import Pairing, SetSpec, resolve
+from stimuli.sets.ends import end_displacements
+from stimuli.sets.layout import lay_out
 
 
 @pytest.fixture(scope="module")

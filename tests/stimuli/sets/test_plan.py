@@ -7,10 +7,10 @@ from itertools import product
 import numpy as np
 import pytest
 
-from stimuli.build import SetSpec, resolve
-from stimuli.build.group import _plain, plan_group
 from stimuli.errors import InputError, InputWarning
 from stimuli.motion import Library
+from stimuli.sets import SetSpec, resolve
+from stimuli.sets.group import _plain, plan_group
 from stimuli.transition import blend_length, with_room
 
 
