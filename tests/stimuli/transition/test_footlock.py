@@ -24,7 +24,7 @@ from stimuli.transition.ik import STRETCH, bend_axis, reach_out
 from stimuli.transition.lengthmap import length_map
 from stimuli.transition.plants import contacts, runs
 from stimuli.transition.points import local_minima
-from stimuli.transition.reach import reached, sinking
+from stimuli.transition.reach import LEAST, SHORT, reached, sinking
 
 SEED = 20051
 OTHER_SEEDS = (1, 2, 3, 4, 5)
@@ -233,6 +233,14 @@ def test_feet_that_stand_on_for_seconds_and_bodies_that_sink_come_back_without_a
         assert np.abs(np.diff(sunk[:, 1], 2)).max() < 0.005
 
 
+ACROSS = np.array([1.0, 0.0, 0.0])  # from the right hip to the left
+
+
+def upright(frames: int) -> np.ndarray:
+    """Orientations of thighs as in rest."""
+    return np.tile(quat.IDENTITY, (frames, 1))
+
+
 def test_an_overstretched_knee_bends_forward_without_turning_the_thigh():
     """A kick in which the knee is stretched beyond straight for a frame."""
     frames = 30
@@ -240,7 +248,7 @@ def test_an_overstretched_knee_bends_forward_without_turning_the_thigh():
     hip = np.zeros((frames, 3))
     knee = hip + np.array([0.0, -0.45, 0.0])
     ankle = knee + 0.4 * np.stack([0 * angle, -np.cos(angle), -np.sin(angle)], axis=-1)
-    hinge, side = bend_axis(knee - hip, ankle - knee, np.tile(quat.IDENTITY, (frames, 1)))
+    hinge, side = bend_axis(knee - hip, ankle - knee, upright(frames), ACROSS)
     assert np.allclose(hinge, hinge[0], atol=1e-9)
     thigh, shank = reach_out(hip, knee, ankle, ankle + np.array([0.0, 0.15, 0.0]), hinge, side)
     assert quat.geodesic(thigh[1:], thigh[:-1]).max() < 0.1
@@ -281,7 +289,7 @@ def test_two_bones_reach_what_is_within_reach_and_approach_the_rest():
     knee = np.tile([0.0, -0.4, 0.02], (200, 1))
     ankle = knee + rng.normal([0.0, -0.35, -0.1], 0.03, (200, 3))
     target = ankle + rng.normal(0, 0.05, (200, 3))
-    hinge, side = bend_axis(knee - hip, ankle - knee, np.tile(quat.IDENTITY, (200, 1)))
+    hinge, side = bend_axis(knee - hip, ankle - knee, upright(200), ACROSS)
     thigh, shank = reach_out(hip, knee, ankle, target, hinge, side)
     moved_knee = quat.rotate(thigh, knee - hip)
     moved = moved_knee + quat.rotate(shank, ankle - knee)
@@ -299,15 +307,15 @@ def test_two_bones_reach_what_is_within_reach_and_approach_the_rest():
     assert np.allclose(np.linalg.norm(moved_knee, axis=1), np.linalg.norm(knee, axis=1))
 
 
-def within(frames: int) -> np.ndarray:
+def within(frames: int) -> tuple[np.ndarray, np.ndarray]:
     """A leg that reaches everything."""
-    return np.full((frames, 3), np.nan)
+    return np.zeros((frames, 3)), np.zeros(frames)
 
 
 def test_corrections_take_back_the_slide_of_a_plant_and_settle_in_the_swing():
     steps = np.zeros((60, 3))
     steps[:, 0] = 0.01
-    shift = corrections(steps, [(0, 24), (45, 59)], 10, 29, False, within(60))
+    shift = corrections(steps, [(0, 24), (45, 59)], 10, 29, False, *within(60))
     assert np.all(shift[:10] == 0)
     assert np.abs(np.diff(shift[9:25, 0]) + 0.01).max() < 5e-4
     assert np.all(shift[45:] == 0)
@@ -317,14 +325,14 @@ def test_corrections_take_back_the_slide_of_a_plant_and_settle_in_the_swing():
 def test_a_correction_has_not_to_be_gone_where_the_motion_ends_with_a_plant():
     steps = np.zeros((30, 3))
     steps[:, 2] = -0.01
-    shift = corrections(steps, [(8, 29)], 10, 29, True, within(30))
+    shift = corrections(steps, [(8, 29)], 10, 29, True, *within(30))
     assert np.abs(np.diff(shift[9:, 2]) - 0.01).max() < 5e-4
 
 
 def test_who_stands_on_creeps_back_by_less_than_is_seen():
     steps = np.zeros((300, 3))
     steps[10:20, 0] = 0.02
-    shift = corrections(steps, [(0, 299)], 10, 19, True, within(300))
+    shift = corrections(steps, [(0, 299)], 10, 19, True, *within(300))
     assert np.abs(shift[20:60, 0]).min() > 0.15
     assert np.abs(np.diff(shift[20:, 0])).max() < 0.002
     assert np.abs(shift[-1, 0]) < 0.1
@@ -332,9 +340,10 @@ def test_who_stands_on_creeps_back_by_less_than_is_seen():
 
 def test_what_a_leg_does_not_reach_is_approached_smoothly():
     steps = np.full((60, 3), [0.02, 0.0, 0.0])
-    free = corrections(steps, [(0, 40)], 10, 40, False, within(60))
-    cut = np.where(free[:, :1] < -0.3, [-0.3, 0.0, 0.0], np.nan)
-    shift = corrections(steps, [(0, 40)], 10, 40, False, cut)
+    free = corrections(steps, [(0, 40)], 10, 40, False, *within(60))
+    reach = np.maximum(free, [-0.3, 0.0, 0.0])
+    short = np.minimum((reach - free)[:, 0] / SHORT, 1.0)
+    shift = corrections(steps, [(0, 40)], 10, 40, False, reach, short)
     assert free[:, 0].min() < -0.4
     assert shift[:, 0].min() > -0.32
     assert np.abs(np.diff(shift[:, 0], 2)).max() < 0.02
@@ -350,7 +359,7 @@ def test_a_body_sinks_only_as_far_as_a_moved_ankle_asks_and_smoothly():
     assert not sinking(*legs(60), shift, 0).any()
     shift[25:35, 0, 0] = 0.2
     drop = sinking(*legs(60), shift, 0)
-    needed = 0.9 - np.sqrt(0.9**2 - 0.2**2)
+    needed = 0.9 - np.sqrt(0.9**2 - 0.2**2) - LEAST
     assert np.allclose(drop[25:35], needed, atol=1e-9)
     assert np.all(drop[:15] == 0)
     assert np.all(drop[45:] == 0)
@@ -363,11 +372,13 @@ def test_a_foot_is_moved_along_the_floor_as_far_as_its_leg_is_long():
     shift = np.zeros((8, 2, 3))
     shift[:, 0, 0] = np.linspace(0.0, 0.4, 8)
     drop = np.full(8, 0.03)
-    part = reached(leg, whole, shift, drop)
-    short = ~np.isnan(part[:, 0, 0])
+    part, missing = reached(leg, whole, shift, drop)
+    short = missing[:, 0] > 0
     assert short.any()
     assert not short.all()
-    assert np.all(np.isnan(part[:, 1]))
+    assert np.all(missing[:, 1] == 0)
+    beyond = np.linalg.norm(shift - part, axis=-1)
+    assert np.allclose(missing, np.minimum(beyond / SHORT, 1.0))
     lowered = leg[:, 0] + part[:, 0] + np.array([0.0, 0.03, 0.0])
     assert np.allclose(np.linalg.norm(lowered[short], axis=-1), 0.9)
     assert np.all(part[short, 0, 1] == 0)
