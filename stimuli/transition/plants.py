@@ -10,6 +10,7 @@ from stimuli.errors import InputError
 from stimuli.motion import quaternions as quat
 from stimuli.motion.quaternions import Array
 from stimuli.motion.skeleton import Motion, Skeleton
+from stimuli.ties import first_least
 
 SPEED = 0.45  # metres a second below which a foot stands: heel roll and toe roll included
 HEIGHT = 0.10  # metres above the lowest that the same point comes to
@@ -82,7 +83,7 @@ def _toe(skeleton: Skeleton, side: str, ankle: int) -> Array:
     if f"{side}_toe" in skeleton.roles:
         return skeleton.offsets[skeleton.roles[f"{side}_toe"]]
     ends = skeleton.end_offsets[skeleton.end_parents == ankle]
-    return ends[np.argmax(np.linalg.norm(ends, axis=1))] if len(ends) else np.zeros(3)
+    return ends[first_least(-np.linalg.norm(ends, axis=1))] if len(ends) else np.zeros(3)
 
 
 @dataclass(frozen=True, eq=False)
