@@ -218,12 +218,12 @@ def _exists(manifest: "Manifest", key: ClipKey) -> bool:
 def _open_window(
     request: Request, plan: Plan, task: Task, manifest: "Manifest", flip_log: Path
 ) -> Stage:
-    from stimuli.sets.video import decode
+    from stimuli.sets.video import decode_video
     from study.screen.clips import ClipCache
     from study.screen.window import Look, WindowStage
 
     file = plan.protocol.file
-    clips = ClipCache(lambda key: decode(entry(manifest, key).path))
+    clips = ClipCache(lambda key: decode_video(entry(manifest, key).path))
     first = clips_of(plan)[0]
     corner = clips.frames([first])[first][0, 0, 0]
     look = Look(

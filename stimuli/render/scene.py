@@ -24,8 +24,8 @@ from stimuli.render.camera import Camera
 from stimuli.render.light import shade
 from stimuli.render.rig import moved
 from stimuli.render.shapes import Floats
+from stimuli.render.video import Pictures
 
-Frames = NDArray[np.uint8]
 NEAR, FAR = 0.05, 200.0
 BORDER = 2  # pixels around the figure's box, for its antialiased edge
 
@@ -54,13 +54,13 @@ class Renderer:
         self._buffer = np.ones((len(skin.points), 7), dtype=np.float32)
         self._drawing._update_context(self._scene, self._flags)
 
-    def frames(self, bone_motion: NDArray[np.float32]) -> Iterator[Frames]:
+    def frames(self, bone_motion: NDArray[np.float32]) -> Iterator[Pictures]:
         """A picture (height, width, 3) RGB for each frame of the bones' motion (F, B, 8)."""
         skin = self.skin
         for bones in bone_motion:
             yield self.draw(*moved(skin.weights, bones, skin.points, skin.normals))
 
-    def draw(self, points: Floats, normals: Floats) -> Frames:
+    def draw(self, points: Floats, normals: Floats) -> Pictures:
         """One picture (height, width, 3) of the skin at `points` with `normals` (V, 3)."""
         from OpenGL import GL
 
@@ -179,7 +179,7 @@ def _drawing(pyrender: Any) -> Any:
             self.figure_program = self.figure_program or _program()
             return self.figure_program
 
-        def _read_main_framebuffer(self, scene: Any, flags: int) -> Frames:
+        def _read_main_framebuffer(self, scene: Any, flags: int) -> Pictures:
             x, y, width, height = self.box
             corners = (x, y, x + width, y + height)
             GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, self._main_fb_ms)

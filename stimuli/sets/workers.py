@@ -31,7 +31,7 @@ ENVIRONMENT = {
 
 
 @dataclass(frozen=True, eq=False)
-class Job:
+class RenderJob:
     """A clip to render: how a skin's bones (F, B, 8) move, seen by a camera."""
 
     path: Path
@@ -51,7 +51,9 @@ class Rendered:
     frames_sha256: str
 
 
-def render_all(jobs: Sequence[Job], workers: int | None, done: Callable[[Rendered], None]) -> None:
+def render_all(
+    jobs: Sequence[RenderJob], workers: int | None, done: Callable[[Rendered], None]
+) -> None:
     """Render jobs in `workers` processes (default: all cores); `done` is called for each.
 
     RuntimeError when a worker fails or dies; clips rendered before stay.
@@ -150,16 +152,16 @@ def _work(pipe: Connection) -> None:
             drawing.close()
 
 
-def _next(pipe: Connection) -> Job | None:
+def _next(pipe: Connection) -> RenderJob | None:
     try:
         job = pipe.recv()
     except EOFError:
         return None
-    assert job is None or isinstance(job, Job)
+    assert job is None or isinstance(job, RenderJob)
     return job
 
 
-def _outcome(job: Job, drawing: Any) -> Rendered | BaseException:
+def _outcome(job: RenderJob, drawing: Any) -> Rendered | BaseException:
     """The clip's frames written and hashed, or what went wrong."""
     from stimuli.render.video import write_video
 
