@@ -26,7 +26,7 @@ def write_atomic(path: Path, content: str | bytes) -> None:
                 stream.write(data)
                 stream.flush()
                 os.fsync(stream.fileno())
-            beside.chmod(0o666 & ~_umask())
+            beside.chmod(mode_of_files())
             beside.replace(path)
         except BaseException:
             beside.unlink(missing_ok=True)
@@ -65,7 +65,8 @@ def _refusals_name(path: Path) -> Iterator[None]:
         ) from error
 
 
-def _umask() -> int:
+def mode_of_files() -> int:
+    """The permissions that this user's new files have."""
     mask = os.umask(0)
     os.umask(mask)
-    return mask
+    return 0o666 & ~mask

@@ -159,8 +159,8 @@ def _program() -> Any:
 
     with TemporaryDirectory(prefix="segue-") as folder:
         vertex, fragment = Path(folder, "figure.vert"), Path(folder, "figure.frag")
-        vertex.write_text(VERTEX)
-        fragment.write_text(FRAGMENT)
+        vertex.write_text(VERTEX, encoding="utf-8")
+        fragment.write_text(FRAGMENT, encoding="utf-8")
         program = ShaderProgram(str(vertex), str(fragment))
         program._add_to_context()
     return program

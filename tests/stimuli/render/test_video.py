@@ -1,5 +1,6 @@
 """Masters keep every pixel, and are whole or absent."""
 
+import os
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -106,3 +107,13 @@ def test_a_strip_shows_what_moves(tmp_path: Path) -> None:
 def test_a_strip_of_nothing_is_background() -> None:
     still = np.full((4, 20, 30, 3), 128, np.uint8)
     assert strip(still, 3).shape == (20, 90, 3)
+
+
+@pytest.mark.parametrize(("mask", "mode"), [(0o077, 0o600), (0o027, 0o640), (0o022, 0o644)])
+def test_a_clip_is_as_private_as_its_user_s_files_are(tmp_path: Path, mask: int, mode: int) -> None:
+    before = os.umask(mask)
+    try:
+        write_video(tmp_path / "a.mkv", [np.zeros((48, 64, 3), dtype=np.uint8)], 30)
+    finally:
+        os.umask(before)
+    assert (tmp_path / "a.mkv").stat().st_mode & 0o777 == mode
