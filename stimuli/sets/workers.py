@@ -44,7 +44,11 @@ class RenderJob:
 
 @dataclass(frozen=True)
 class Rendered:
-    """A clip that was rendered: how many frames, and the SHA-256 of their RGB bytes in order."""
+    """A clip that was rendered: how many frames, and the SHA-256 of their RGB bytes in order.
+
+    Another machine's rasteriser may shade the edge of a figure otherwise, so that this hash tells
+    whether a file was damaged, not whether two clips are one: their names do.
+    """
 
     path: Path
     frames: int
