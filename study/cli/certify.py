@@ -35,12 +35,12 @@ def run(args: argparse.Namespace) -> int:
     from stimuli.errors import InputError
     from stimuli.motion import Library, motion_directories
     from study.cli.designs import Job, Options, certificate
-    from study.protocol import load
-    from study.sets import references
+    from study.protocol.sets import references
+    from study.trials.reading import load_protocol
 
     if args.sets < 2 or (args.participants is not None and args.participants < 1):
         raise InputError("--sets and --participants: expected at least 2 sets and 1 participant")
-    protocol = load(args.protocol)
+    protocol = load_protocol(args.protocol)
     _check_effects(args.effect or [], protocol.file.task)
     people = args.participants or protocol.file.participants
     lengths = references(protocol, Library(motion_directories(args.motions)), args.set_name)

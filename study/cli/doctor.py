@@ -22,7 +22,7 @@ renderer.delete()
 """
 WINDOW = """
 import json
-from study.schema import Keys
+from study.protocol.schema import Keys
 from study.screen.clips import ClipCache
 from study.screen.window import Look, WindowStage
 look = Look(Keys(), ("1", "2"), 0.0, 0.5, 30.0, (128, 128, 128), simulated=True, pace=20.0)

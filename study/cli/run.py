@@ -34,14 +34,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Run the session; 1 when somebody left it."""
     from stimuli.errors import InputError
-    from study.lab import Request, check, run_session
-    from study.protocol import load
-    from study.rendered import check_rendered
+    from study.protocol.rendered import check_rendered
+    from study.protocol.sets import references_of_manifest
+    from study.screen.opening import open_window
     from study.screen.virtual import has_screen
-    from study.sets import references_of_manifest
-    from study.stage import Left
+    from study.session.lab import Request, check, run_session
+    from study.session.stage import SessionLeft
+    from study.trials.reading import load_protocol
 
-    protocol = load(args.protocol)
+    protocol = load_protocol(args.protocol)
     request = Request(
         participant=args.participant,
         data=args.data,
@@ -64,8 +65,10 @@ def run(args: argparse.Namespace) -> int:
     _tell_before(args, protocol, references_of_manifest(protocol, manifest))
     _ask_person(args)
     try:
-        record = run_session(request, protocol, manifest, lambda record: _resume(args, record))
-    except Left:
+        record = run_session(
+            request, protocol, manifest, lambda record: _resume(args, record), open_window
+        )
+    except SessionLeft:
         print(f"left; go on with: {_resume_command(args)}", file=sys.stderr)
         return 1
     _ask_comments(args)
@@ -78,8 +81,8 @@ def _stimuli(args: argparse.Namespace, protocol: Any) -> Any:
     from stimuli.errors import InputError
     from stimuli.motion import Library, motion_directories
     from stimuli.sets import build, load_manifest
-    from study.rendered import SETS, render_command
-    from study.sets import set_spec
+    from study.protocol.rendered import SETS, render_command
+    from study.protocol.sets import set_spec
 
     if args.stimuli is not None:
         return load_manifest(args.stimuli)
@@ -100,8 +103,8 @@ def _stimuli(args: argparse.Namespace, protocol: Any) -> Any:
 
 def _tell_before(args: argparse.Namespace, protocol: Any, references: dict[str, int]) -> None:
     """How long it will take, and that it is one run more of somebody who has finished one."""
-    from study.dataset import finished_runs, runs, unfinished
-    from study.duration import session_duration
+    from study.record.dataset import finished_runs, runs, unfinished
+    from study.session.duration import session_duration
 
     pending = None
     if not args.restart:  # which reads nothing of the run that it leaves
@@ -160,7 +163,7 @@ def _asks(args: argparse.Namespace) -> bool:
 
 def _ask_person(args: argparse.Namespace) -> None:
     """What a study asks of a person, before the session, on a terminal; blank is n/a."""
-    from study.dataset import QUESTIONS, enrol, prepare
+    from study.record.dataset import QUESTIONS, enrol, prepare
 
     if _asks(args):
         prepare(args.data)
@@ -169,7 +172,7 @@ def _ask_person(args: argparse.Namespace) -> None:
 
 
 def _ask_comments(args: argparse.Namespace) -> None:
-    from study.dataset import enrol
+    from study.record.dataset import enrol
 
     if _asks(args):
         enrol(args.data, args.participant, comments=" ".join(input("comments: ").split()))

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 
 from stimuli.errors import InputError
-from study.schema import Keys
+from study.protocol.schema import Keys
 from study.screen.clips import ClipCache, Frames
 from study.screen.panel import Panel
 from study.screen.schedule import NOMINAL_REFRESH, Due, last_refresh, late_frames, schedule
-from study.stage import Answer, Left, Presented
-from study.tasks import Screens
+from study.session.stage import Answer, Presented, SessionLeft
+from study.trials.tasks import Screens
 
 INK = (-0.85, -0.85, -0.85)
 READING_SECONDS = 1.5
@@ -37,7 +37,7 @@ class Look:
 
 
 class WindowStage:
-    """A stage (see `study.stage`) in a PsychoPy window."""
+    """A stage (see `study.session.stage`) in a PsychoPy window."""
 
     def __init__(
         self,
@@ -208,7 +208,7 @@ class WindowStage:
 
     def _leave_on_quit(self) -> None:
         if self._pressed([self._look.keys.quit], clear=False):
-            raise Left
+            raise SessionLeft
 
     def _pressed(self, names: list[str], clear: bool = True) -> list[Any]:
         """The keys pressed since `_listen`, in order, held or already let go.
@@ -229,7 +229,7 @@ class WindowStage:
         while seconds is None or self._keyboard.clock.getTime() < seconds:
             for key in self._pressed(wanted):
                 if key.name == self._look.keys.quit:
-                    raise Left
+                    raise SessionLeft
                 if key.rt >= 0 and (seconds is None or key.rt <= seconds):
                     return Answer(meanings[key.name], float(key.rt))
             time.sleep(0.002)
