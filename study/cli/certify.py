@@ -75,24 +75,14 @@ def _check_effects(effects: list[float], task: str) -> None:
 
 def _all(jobs: "list[Job]", workers: int | None) -> list[dict[str, Any]]:
     """Simulate and analyse every study, on all cores."""
-    import os
-    from concurrent.futures import ProcessPoolExecutor
-    from multiprocessing import get_context
-
     from study.cli.designs import one_study
+    from study.session.processes import mapped
 
-    count = min(workers or os.cpu_count() or 1, len(jobs))
     found = []
     with progress(len(jobs), "simulating studies") as step:
-        if count == 1:
-            for done, job in enumerate(jobs, start=1):
-                found.append(one_study(job))
-                step(done)
-            return found
-        with ProcessPoolExecutor(count, mp_context=get_context("spawn")) as pool:
-            for done, study in enumerate(pool.map(one_study, jobs), start=1):
-                found.append(study)
-                step(done)
+        for study in mapped(one_study, jobs, workers, len(jobs)):
+            found.append(study)
+            step(len(found))
     return found
 
 

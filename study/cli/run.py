@@ -37,6 +37,7 @@ def run(args: argparse.Namespace) -> int:
     from study.protocol.rendered import check_rendered
     from study.protocol.sets import references_of_manifest
     from study.screen.opening import open_window
+    from study.screen.priority import PERMIT, may_have_priority
     from study.screen.virtual import has_screen
     from study.session.lab import Request, check, run_session
     from study.session.stage import SessionLeft
@@ -63,6 +64,11 @@ def run(args: argparse.Namespace) -> int:
     manifest = _stimuli(args, protocol)
     check_rendered(protocol, manifest, args.rehearsal)
     _tell_before(args, protocol, references_of_manifest(protocol, manifest))
+    if not may_have_priority():
+        print(
+            f"segue: note: keys are timed by the X server, to about a millisecond;\n{PERMIT}",
+            file=sys.stderr,
+        )
     _ask_person(args)
     try:
         record = run_session(

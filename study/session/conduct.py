@@ -86,7 +86,9 @@ def run(
     progress = replay_rows(plan, record.rows())
     task = progress.task
     settings = settings_of(plan, task)
+    earlier = record.sidecar.get("KeyTiming", [])
     stage.tell(settings.welcome)
+    _note_timing(record, stage, earlier)
     since_first = _since_first_flip(stage, record)
     while (step := _trial(progress, stage, settings, observer, since_first)) is not None:
         before = progress
@@ -98,6 +100,7 @@ def run(
             stage.flash(CORRECT if right else WRONG)
         if pause_due(before, progress) and next_trial(progress) is not None:
             stage.tell(settings.pause)
+            _note_timing(record, stage, earlier)
     record.save_sidecar(Finished=True, **track_summary(progress))
     stage.tell(settings.thanks)
     return progress
@@ -142,6 +145,12 @@ def arrange(screens: Screens, layout: str | None) -> Screens:
         "one-after-other": tuple((clip,) for clip in clips),
     }
     return layouts[layout]
+
+
+def _note_timing(record: Record, stage: Stage, earlier: list[Any]) -> None:
+    """How this stage times keys, block by block, after what `earlier` stages did."""
+    if timing := stage.timing():
+        record.save_sidecar(KeyTiming=[*earlier, timing])
 
 
 def _since_first_flip(stage: Stage, record: Record) -> float:

@@ -1,10 +1,7 @@
 """Participants without a window and without stimuli: the same session code, the same record."""
 
-import os
 from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor
 from itertools import islice
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +11,7 @@ from study.record.dataset import enrol, prepare, record_path, runs
 from study.record.sidecar import sidecar_of
 from study.record.table import COMMON, create
 from study.session.conduct import rows_of_plan, run
+from study.session.processes import mapped
 from study.session.stage import Nowhere
 from study.trials.observers import Simulated, simulated
 from study.trials.plan import Plan, make_plan, session_seed
@@ -56,19 +54,11 @@ def simulate(
     jobs = [
         (protocol.document, references, session_seed(seed, n - 1), data, _name(n)) for n in numbers
     ]
-    count = min(workers or os.cpu_count() or 1, 1 + participants // WORTH_A_PROCESS)
     paths = []
-    if count == 1:
-        for n, job in enumerate(jobs, start=1):
-            paths.append(_one(job))
-            if progress:
-                progress(n)
-    else:
-        with ProcessPoolExecutor(count, mp_context=get_context("spawn")) as pool:
-            for n, path in enumerate(pool.map(_one, jobs), start=1):
-                paths.append(path)
-                if progress:
-                    progress(n)
+    for path in mapped(_one, jobs, workers, 1 + participants // WORTH_A_PROCESS):
+        paths.append(path)
+        if progress:
+            progress(len(paths))
     for number in numbers:
         enrol(data, _name(number), observer="simulated")
     return paths

@@ -49,6 +49,9 @@ class Stage(Protocol):
     def display(self) -> dict[str, object]:
         """What the stage is, for the sidecar."""
 
+    def timing(self) -> dict[str, object]:
+        """How answers were timed so far, for the sidecar; nothing where nobody presses keys."""
+
     def close(self) -> None:
         """Give the stage up."""
 
@@ -90,6 +93,10 @@ class Nowhere:
     def display(self) -> dict[str, object]:
         """No display."""
         return {"kind": "none"}
+
+    def timing(self) -> dict[str, object]:
+        """No key is pressed."""
+        return {}
 
     def close(self) -> None:
         """Nothing to close."""
