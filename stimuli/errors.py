@@ -7,3 +7,7 @@ class InputError(ValueError):
 
 class InputWarning(UserWarning):
     """Input that was read but looks suspicious."""
+
+
+class MachineError(Exception):
+    """The machine lacks something or gave out: what was kept, and what to do, in two lines."""

@@ -1,5 +1,6 @@
 """Files that are whole or absent: written beside their place, synced, then renamed."""
 
+import errno
 import hashlib
 import os
 import tempfile
@@ -8,6 +9,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from stimuli.errors import InputError
+
+FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)  # there is no room for what is written
 
 
 def write_atomic(path: Path, content: str | bytes) -> None:
@@ -26,7 +29,7 @@ def write_atomic(path: Path, content: str | bytes) -> None:
                 stream.write(data)
                 stream.flush()
                 os.fsync(stream.fileno())
-            beside.chmod(0o666 & ~_umask())
+            beside.chmod(permitted())
             beside.replace(path)
         except BaseException:
             beside.unlink(missing_ok=True)
@@ -59,13 +62,15 @@ def _refusals_name(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
+        remedy = "make room on it" if error.errno in FULL else "make that one writable"
         raise InputError(
             f"{path}: expected a place where a file can be written, found: "
-            f"{error.strerror or error}.\nChoose another, or make that one writable."
+            f"{error.strerror or error}.\nChoose another, or {remedy}."
         ) from error
 
 
-def _umask() -> int:
+def permitted() -> int:
+    """The mode that a new file of this user has; a temporary one has a narrower."""
     mask = os.umask(0)
     os.umask(mask)
-    return mask
+    return 0o666 & ~mask

@@ -101,9 +101,14 @@ def _intruder() -> str | None:
 
 def _message(error: Exception) -> str:
     text = str(error) or type(error).__name__
-    return text if _is_input_fault(error) else f"{text} (--debug shows where)"
+    told = _is_input_fault(error) or _is(error, "MachineError")
+    return text if told else f"{text} (--debug shows where)"
 
 
 def _is_input_fault(error: Exception) -> bool:
     """InputError of `stimuli` or of `analysis`, without importing either before it is raised."""
-    return any(kind.__name__ == "InputError" for kind in type(error).__mro__)
+    return _is(error, "InputError")
+
+
+def _is(error: Exception, name: str) -> bool:
+    return any(kind.__name__ == name for kind in type(error).__mro__)

@@ -14,11 +14,12 @@ from study.cli.common import add_motions_option, print_json
 
 GRAPHICS = """
 import os; os.environ["PYOPENGL_PLATFORM"] = "egl"
-import pyrender
-renderer = pyrender.OffscreenRenderer(64, 64)
+from stimuli.render.appearance import Appearance
+from stimuli.render.scene import Renderer
+renderer = Renderer(Appearance(width=64, height=64))
 from OpenGL import GL
 print(GL.glGetString(GL.GL_RENDERER).decode(), "/ OpenGL", GL.glGetString(GL.GL_VERSION).decode())
-renderer.delete()
+renderer.close()
 """
 WINDOW = """
 import json
@@ -62,8 +63,11 @@ def run(args: argparse.Namespace) -> int:
     return 0 if all(line["ok"] for line in lines) else 1
 
 
-def _python(script: str, remedy: str) -> str:
-    """The last line that a script prints in a process of its own."""
+def _python(script: str, remedy: str = "") -> str:
+    """The last line that a script prints in a process of its own.
+
+    Without a remedy the script's error is one of Segue's, whose second line says what to do.
+    """
     done = subprocess.run(
         [sys.executable, "-c", script],
         capture_output=True,
@@ -74,12 +78,14 @@ def _python(script: str, remedy: str) -> str:
     )
     lines = (done.stdout if done.returncode == 0 else done.stderr).strip().splitlines()
     if done.returncode != 0:
-        raise RuntimeError(f"{lines[-1] if lines else 'it stopped without a word'}; {remedy}")
+        told = lines[-1:] if remedy else lines[-2:]
+        words = [*(told or ["it stopped without a word"]), *([remedy] if remedy else [])]
+        raise RuntimeError("; ".join(words).replace(";; ", "; "))
     return lines[-1]
 
 
 def _rendering() -> str:
-    return _python(GRAPHICS, "install libegl1 libegl-mesa0 libgl1 libgl1-mesa-dri")
+    return _python(GRAPHICS)
 
 
 def _window() -> str:

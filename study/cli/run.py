@@ -36,11 +36,12 @@ def run(args: argparse.Namespace) -> int:
     from stimuli.errors import InputError
     from study.protocol.rendered import check_rendered
     from study.protocol.sets import references_of_manifest
+    from study.record.table import NotKeptError
     from study.screen.opening import open_window
     from study.screen.priority import PERMIT, may_have_priority
     from study.screen.virtual import has_screen
     from study.session.lab import Request, check, run_session
-    from study.session.stage import SessionLeft
+    from study.session.stage import ScreenLostError, SessionLeft
     from study.trials.reading import load_protocol
 
     protocol = load_protocol(args.protocol)
@@ -54,6 +55,7 @@ def run(args: argparse.Namespace) -> int:
         restart=args.restart,
         screen=args.screen,
         windowed=args.windowed,
+        lost=_lost(args),
     )
     check(request, protocol)
     if not has_screen():
@@ -77,13 +79,19 @@ def run(args: argparse.Namespace) -> int:
     except SessionLeft:
         print(f"left; go on with: {_resume_command(args)}", file=sys.stderr)
         return 1
+    except ScreenLostError:
+        print(request.lost, file=sys.stderr)
+        return 1
+    except NotKeptError as error:
+        print(f"segue run: {error}, and go on with: {_resume_command(args)}", file=sys.stderr)
+        return 1
     _ask_comments(args)
     print(f"record: {record.path}")
     return 0
 
 
 def _stimuli(args: argparse.Namespace, protocol: Any) -> Any:
-    """The stimulus set; a rehearsal's short one is built on the way."""
+    """The stimulus set; a rehearsal builds a short one where the study's own is not there."""
     from stimuli.errors import InputError
     from stimuli.motion import Library, motion_directories
     from stimuli.sets import build, load_manifest
@@ -100,11 +108,29 @@ def _stimuli(args: argparse.Namespace, protocol: Any) -> Any:
                 f"run `{render_command(protocol)}`, or name another set with --stimuli"
             )
         return load_manifest(folder)
+    if (full := _full_set(protocol)) is not None:
+        return full
     library = Library(motion_directories(args.motions))
     spec = set_spec(protocol, None, library, rehearsal=True)
     folder = SETS / f"{protocol.name}-rehearsal"
     with progress(None, "rendering") as step:
         return build(spec, library, folder, progress=step)
+
+
+def _full_set(protocol: Any) -> Any:
+    """The study's own set where it lies whole: a rehearsal shows the middle of its clips."""
+    from stimuli.errors import InputError
+    from stimuli.sets import load_manifest
+    from study.protocol.rendered import SETS, check_rendered
+
+    try:
+        manifest = load_manifest(SETS / protocol.name)
+        check_rendered(protocol, manifest, rehearsal=True)
+    except InputError:
+        return None
+    first = protocol.file.stimuli.motions[0].name
+    shown = [clip for clip in manifest.clips if clip.motion == first]
+    return manifest if all(clip.path.is_file() for clip in shown) else None
 
 
 def _tell_before(args: argparse.Namespace, protocol: Any, references: dict[str, int]) -> None:
@@ -126,6 +152,15 @@ def _tell_before(args: argparse.Namespace, protocol: Any, references: dict[str, 
         )
     duration = session_duration(protocol, references, args.rehearsal)
     print(duration.told(args.pace), file=sys.stderr)
+
+
+def _lost(args: argparse.Namespace) -> str:
+    """What is said when the screen goes away."""
+    folder = args.data / f"sub-{args.participant}"
+    return (
+        f"segue run: the screen went away; all answers so far are kept in {folder}.\n"
+        f"Bring it back, and go on with: {_resume_command(args)}"
+    )
 
 
 def _resume_command(args: argparse.Namespace) -> str:

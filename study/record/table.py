@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from stimuli.errors import InputError
-from stimuli.files import write_atomic
+from stimuli.errors import InputError, MachineError
+from stimuli.files import FULL, write_atomic
 
 MISSING = "n/a"
 
@@ -30,6 +30,10 @@ COMMON: Mapping[str, str] = {
     "clip_a": "hash of the first clip named by the task",
     "clip_b": "hash of the second clip named by the task",
 }
+
+
+class NotKeptError(MachineError):
+    """An answer could not be written; those before it are on the disk, and it is asked again."""
 
 
 @dataclass
@@ -51,10 +55,18 @@ class Record:
         if unknown:
             raise KeyError(f"no such columns: {sorted(unknown)}")
         line = _line([_cell(row.get(column)) for column in self.columns])
-        with self.path.open("a", encoding="utf-8", newline="") as stream:
-            stream.write(line)
-            stream.flush()
-            os.fsync(stream.fileno())
+        try:
+            with self.path.open("a", encoding="utf-8", newline="") as stream:
+                stream.write(line)
+                stream.flush()
+                os.fsync(stream.fileno())
+        except OSError as error:
+            number = row.get("trial", "the last one")
+            remedy = "make room on that disk" if error.errno in FULL else "see to that disk"
+            raise NotKeptError(
+                f"{self.path}: trial {number} could not be written: {error.strerror or error}; "
+                f"all trials before it are kept.\n{remedy[0].upper()}{remedy[1:]}"
+            ) from error
 
     def save_sidecar(self, **changes: Any) -> None:
         """Write the sidecar whole, with `changes`."""

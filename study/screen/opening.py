@@ -3,7 +3,8 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from study.screen.clips import ClipCache
+from study.screen.clips import ClipCache, Frames
+from study.screen.lost import tell_when_lost
 from study.screen.window import Look, WindowStage
 from study.session.lab import Request, clips_of, entry
 from study.trials.plan import Plan
@@ -20,7 +21,9 @@ def open_window(
     from stimuli.sets.video import decode
 
     file = plan.protocol.file
-    clips = ClipCache(lambda key: decode(entry(manifest, key).path))
+    seconds = min(file.rehearsal.seconds, manifest.seconds) if plan.rehearsal else manifest.seconds
+    count = round(seconds * manifest.fps)
+    clips = ClipCache(lambda key: middle_of(decode(entry(manifest, key).path), count))
     first = clips_of(plan)[0]
     corner = clips.frames([first])[first][0, 0, 0]
     look = Look(
@@ -33,4 +36,12 @@ def open_window(
         pace=request.pace,
         simulated=request.observer == "simulated",
     )
-    return WindowStage(look, clips, flip_log, request.screen, request.windowed)
+    stage = WindowStage(look, clips, flip_log, request.screen, request.windowed)
+    tell_when_lost(request.lost)
+    return stage
+
+
+def middle_of(frames: Frames, count: int) -> Frames:
+    """`count` of a clip's frames (F, H, W, 3) around its middle, where the transition is."""
+    first = max((len(frames) - count) // 2, 0)
+    return frames[first : first + count]

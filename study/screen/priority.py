@@ -1,4 +1,4 @@
-"""Whether this user may have real-time priority, which psychtoolbox's keyboard cannot do without."""
+"""Whether this user may have the real-time priority that psychtoolbox's keyboard needs."""
 
 import os
 import sys

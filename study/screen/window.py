@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from stimuli.errors import InputError
 from study.protocol.schema import Keys
 from study.screen.clips import ClipCache, Frames
 from study.screen.home import writable_home
@@ -247,6 +248,7 @@ def _open_window(screen: int, windowed: bool, background: tuple[int, int, int]) 
     from psychopy import logging, visual
 
     logging.console.setLevel(logging.ERROR)
+    check_screen(screen)
     return visual.Window(
         size=(1280, 800),
         fullscr=not windowed,
@@ -260,6 +262,16 @@ def _open_window(screen: int, windowed: bool, background: tuple[int, int, int]) 
         gammaErrorPolicy="ignore",
         title="Segue",
     )
+
+
+def check_screen(screen: int) -> None:
+    """Refuse a screen that is not there; PsychoPy would take the first in silence."""
+    from pyglet.canvas import get_display
+
+    count = len(get_display().get_screens())
+    if not 0 <= screen < count:
+        there = "screen 0 alone" if count == 1 else f"screens 0 to {count - 1}"
+        raise InputError(f"--screen {screen}: expected a screen that is there, found {there}")
 
 
 def _refresh_rate(window: Any) -> float | None:

@@ -14,6 +14,7 @@ import numpy as np
 
 from study.protocol.keys import KEY_NAMES
 from study.screen.press import Press
+from study.session.stage import ScreenLostError
 
 PROBES = 64
 TICK = 1e-3  # the server counts whole milliseconds
@@ -144,8 +145,13 @@ class ServerKeyboard:
         return (passed - WRAP if passed > WRAP // 2 else passed) * TICK
 
     def _read(self) -> None:
-        for _ in range(self._display.pending_events()):
-            self._take(self._display.next_event())
+        from Xlib.error import ConnectionClosedError
+
+        try:
+            for _ in range(self._display.pending_events()):
+                self._take(self._display.next_event())
+        except ConnectionClosedError as error:
+            raise ScreenLostError from error
 
     def _take(self, event: Any) -> None:
         """Keep a key that went down; a held key repeats itself, let go and down at one time."""

@@ -56,6 +56,7 @@ class Request:
     restart: bool = False
     screen: int = 0
     windowed: bool = False
+    lost: str = ""  # what is said when the screen goes away
 
 
 def check(request: Request, protocol: Protocol) -> None:

@@ -28,6 +28,10 @@ class SessionLeft(Exception):
     """The participant or experimenter left the session; its record stays and can be resumed."""
 
 
+class ScreenLostError(Exception):
+    """The screen went away; the record stays and can be resumed."""
+
+
 class Stage(Protocol):
     """What a session needs of the place where it is shown."""
 
