@@ -26,7 +26,8 @@ test-slow: system-test $(READY)
 lint: $(READY)
 	$(PYTHON) -m ruff check .
 	$(PYTHON) -m ruff format --check .
-	$(PYTHON) -m mypy
+	@for system in linux win32 darwin; do \
+		echo "types on $$system:"; $(PYTHON) -m mypy --platform $$system || exit 1; done
 
 bench: system $(READY)
 	$(PYTHON) -m pip install --quiet --constraint constraints.txt --editable '.[bench,opinion]'

@@ -34,7 +34,7 @@ def write_video(path: Path, frames: Iterable[Frames], fps: float) -> int:
     beside = Path(name)
     try:
         count = _encode(beside, frames, fps)
-        with beside.open("rb") as written:
+        with beside.open("r+b") as written:
             os.fsync(written.fileno())
         beside.chmod(permitted())
         beside.replace(path)

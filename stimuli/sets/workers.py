@@ -96,7 +96,8 @@ def _received(pipe: Connection) -> Rendered:
 def _started(count: int) -> Iterator[tuple[Connection, ...]]:
     """Pipes to `count` workers, which end when the block does, killed if it fails."""
     context = multiprocessing.get_context("spawn")
-    pipes, processes = [], []
+    pipes: list[Any] = []  # of another type on each system
+    processes = []
     with _environment(ENVIRONMENT):
         for _ in range(count):
             here, there = context.Pipe()

@@ -1,10 +1,12 @@
 """The command line: a table of subcommands, each imported only when it is called."""
 
 import argparse
+import atexit
 import importlib
 import importlib.util
 import os
 import sys
+import tempfile
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
@@ -36,6 +38,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     named = next((word for word in arguments if not word.startswith("-")), None)
     args = _parser(named).parse_args(arguments)
     warnings.showwarning = _say_warning
+    _spare_matplotlib()
     try:
         return int(args.run(args))
     except KeyboardInterrupt:
@@ -83,6 +86,14 @@ def available() -> list[str]:
     """The commands whose modules are there."""
     here = Path(__file__).parent
     return [name for name in COMMANDS if (here / f"{name}.py").exists()]
+
+
+def _spare_matplotlib() -> None:
+    """Without a home folder to write, matplotlib says so at length at every start."""
+    if "MPLCONFIGDIR" not in os.environ and not os.access(Path("~").expanduser(), os.W_OK):
+        made = tempfile.TemporaryDirectory(prefix="segue-matplotlib-")
+        atexit.register(made.cleanup)
+        os.environ["MPLCONFIGDIR"] = made.name
 
 
 def _intruder() -> str | None:

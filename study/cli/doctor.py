@@ -46,6 +46,8 @@ def run(args: argparse.Namespace) -> int:
     checks: dict[str, Callable[[], str]] = {
         "rendering": _rendering,
         "window": _window,
+        "keyboard": _keyboard,
+        "places": _places,
         "codecs": _codecs,
         "motions": lambda: _motions(args.motions),
     }
@@ -98,10 +100,32 @@ def _window() -> str:
     shown = json.loads(line)
     rate = shown["refresh_rate"]
     screen = f"refresh {rate} Hz" if rate else "no refresh rate; sessions pace themselves"
-    return (
-        f"{'screen' if real else 'no screen, a virtual one works'}; {screen}; "
-        f"keyboard backend {shown['keyboard']}"
-    )
+    return f"{'screen' if real else 'no screen, a virtual one works'}; {screen}"
+
+
+def _keyboard() -> str:
+    """Which keyboard a session of this user gets; the window says that it can be opened."""
+    from study.screen.priority import PERMIT, may_have_priority
+
+    if may_have_priority():
+        return "psychtoolbox (ptb), in a thread of real-time priority"
+    return f"keys timed by the X server, to about a millisecond; {PERMIT}"
+
+
+def _places() -> str:
+    """Where a user may write what libraries and processes need."""
+    from multiprocessing import get_context
+
+    from study.screen.home import has_home
+
+    lacks = []
+    if not has_home():
+        lacks.append("the home folder cannot be written: compiled code and settings are made anew")
+    try:
+        get_context("spawn").Lock()
+    except (OSError, ImportError):
+        lacks.append("/dev/shm cannot be written: simulations use one core")
+    return "; ".join(lacks) or "home folder and shared memory can be written"
 
 
 def _codecs() -> str:

@@ -10,8 +10,11 @@ from typing import Any, NamedTuple, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
+from study.protocol.keys import KEY_NAMES
 from study.protocol.places import find_line
 from study.protocol.schema import Keys, ProtocolFile
+
+SOME_KEYS = ("1", "a", "left", "space", "return", "num_1", "f1")
 
 
 class Fault(NamedTuple):
@@ -209,13 +212,25 @@ def _methods(document: Mapping[str, Any]) -> Iterator[Fault]:
 
 
 def _keys(document: Mapping[str, Any]) -> Iterator[Fault]:
-    """A key has one meaning."""
+    """A key is one that there is, and has one meaning."""
     given = table_at(document, "keys")
     meanings = {**Keys().model_dump(), **given}
     for name, key in given.items():
+        if isinstance(key, str) and key not in KEY_NAMES:
+            yield Fault(("keys", name), _no_key(key))
+            continue
         twins = [other for other, its in meanings.items() if its == key and other != name]
         if twins:
             yield Fault(("keys", name), f"expected a key of its own, found that of {twins[0]}")
+
+
+def _no_key(key: str) -> str:
+    if not key.strip():
+        return "expected the name of a key, found an empty one"
+    likely = [name for name in KEY_NAMES if name in re.split(r"[\s_-]+", key.lower())]
+    near = [*likely, *difflib.get_close_matches(key.lower(), KEY_NAMES, n=1)]
+    hint = f"did you mean {near[0]}?" if near else f"keys are called {', '.join(SOME_KEYS)} …"
+    return f'no key is called "{key}" ({hint})'
 
 
 def _functions(document: Mapping[str, Any]) -> Iterator[Fault]:

@@ -4,11 +4,12 @@ import csv
 import io
 import json
 import re
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from stimuli.errors import InputError
+from stimuli.errors import InputError, InputWarning
 from stimuli.files import write_atomic
 from study.protocol.protocol import Protocol
 from study.record.table import MISSING, Record, reopen
@@ -38,6 +39,33 @@ def check_participant(name: str) -> str:
             "choose such an ID"
         )
     return name
+
+
+def check_twin(data: Path, name: str) -> None:
+    """Tell an ID from one already there that people, or disks, take for the same.
+
+    IDs that differ by case alone are refused: many disks hold one folder for both. Those that
+    differ by leading zeros alone are let through with a warning.
+    """
+    there = [path.name.removeprefix("sub-") for path in sorted(data.glob("sub-*"))]
+    for other in there:
+        if other != name and other.casefold() == name.casefold():
+            raise InputError(
+                f"participant {name!r}: found {other!r} in {data} already, and disks of Windows "
+                f"and macOS hold one folder for both; say {other!r} if that is the person, else "
+                "choose another ID"
+            )
+        if other != name and _without_zeros(other) == _without_zeros(name):
+            warnings.warn(
+                f"participant {name!r} is somebody else than {other!r}, who is in {data} already; "
+                f"say {other!r} if that is the person",
+                InputWarning,
+                stacklevel=2,
+            )
+
+
+def _without_zeros(name: str) -> str:
+    return re.sub(r"(?<![0-9])0+(?=[0-9])", "", name.casefold())
 
 
 def prepare(data: Path) -> None:

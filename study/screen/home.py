@@ -10,6 +10,12 @@ from pathlib import Path
 FOLDER = "APPDATA" if os.name == "nt" else "HOME"
 
 
+def has_home() -> bool:
+    """Whether this user has a home folder that can be written."""
+    folder = os.environ.get(FOLDER)
+    return bool(folder) and _writable(Path(str(folder)))
+
+
 @contextmanager
 def writable_home() -> Iterator[None]:
     """Within this block the home folder is one that can be written.
@@ -18,7 +24,7 @@ def writable_home() -> Iterator[None]:
     user who has none gets one that lasts as long as the process.
     """
     before = os.environ.get(FOLDER)
-    if before and _writable(Path(before)):
+    if has_home():
         yield
         return
     made = tempfile.TemporaryDirectory(prefix="segue-home-")

@@ -13,7 +13,7 @@ def tell_when_lost(told: str) -> None:
     The X library ends the process itself, after a line of its own; no Python exception comes of
     it. Elsewhere than on X11 there is nothing to do.
     """
-    if not sys.platform.startswith("linux"):
+    if sys.platform != "linux":
         return
     from pyglet.libs.x11 import xlib
 

@@ -14,6 +14,7 @@ from study.protocol.rendered import again_command, check_rendered
 from study.protocol.sets import references_of_manifest
 from study.record.dataset import (
     check_participant,
+    check_twin,
     enrol,
     keep_stimulus,
     prepare,
@@ -62,6 +63,7 @@ class Request:
 def check(request: Request, protocol: Protocol) -> None:
     """Refuse a request that cannot be run, before anything is written or opened."""
     check_participant(request.participant)
+    check_twin(request.data, request.participant)
     if request.pace <= 0:
         raise InputError(f"--pace: expected a number above 0, found {request.pace}")
     if request.observer == "simulated" and protocol.file.observer is None:

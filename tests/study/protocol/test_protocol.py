@@ -81,6 +81,9 @@ def test_three_faults_are_three_lines_with_places() -> None:
         (("[stimuli]", "methods = ['cut', 'fixed']\n[stimuli]"), "methods", "compares lengths"),
         (("reference = 10", "reference = 'geodesic'"), "stimuli.lengths", "need a reference"),
         (("[sets.sample]", "[keys]\nfirst = '2'\n[sets.sample]"), "keys.first", "that of second"),
+        (("[sets.sample]", "[keys]\nquit = 'esc'\n[sets.sample]"), "keys.quit", "mean escape"),
+        (("[sets.sample]", "[keys]\nfirst = ' '\n[sets.sample]"), "keys.first", "an empty one"),
+        (("[sets.sample]", "[keys]\ngo_on = '%'\n[sets.sample]"), "keys.go_on", "keys are called"),
         (("[sets.sample]", "[observer]\nlapse = 0.1\n[sets.sample]"), "observer.slope", "add it"),
         (
             ("[staircase]", "[analysis]\nfunction = 'line'\n[staircase]"),

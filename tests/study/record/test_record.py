@@ -7,8 +7,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stimuli.errors import InputError
-from study.record.dataset import check_participant, enrol, prepare, record_path, runs, unfinished
+from stimuli.errors import InputError, InputWarning
+from study.record.dataset import (
+    check_participant,
+    check_twin,
+    enrol,
+    prepare,
+    record_path,
+    runs,
+    unfinished,
+)
 from study.record.table import COMMON, Record, create, reopen
 from study.trials.reading import parse_protocol
 
@@ -131,3 +139,29 @@ def test_a_run_without_sidecar_says_how_to_go_on(tmp_path: Path) -> None:
     begun(tmp_path, 1).sidecar_path.unlink()
     with pytest.raises(InputError, match="--restart"):
         unfinished(tmp_path, "p1", parse_protocol(PREFERENCE), rehearsal=False)
+
+
+@pytest.mark.parametrize(
+    ("there", "name", "outcome"),
+    [
+        ("P01", "p01", "refused"),
+        ("sim1", "SIM1", "refused"),
+        ("1", "001", "told"),
+        ("p01", "P1", "told"),
+        ("a1b02", "a1b2", "told"),
+        ("p1", "p10", "nothing"),
+        ("p01", "p01", "nothing"),
+    ],
+)
+def test_people_whom_disks_or_people_confuse_are_told_apart(
+    tmp_path: Path, there: str, name: str, outcome: str
+) -> None:
+    (tmp_path / f"sub-{there}").mkdir()
+    if outcome == "refused":
+        with pytest.raises(InputError, match=there):
+            check_twin(tmp_path, name)
+    elif outcome == "told":
+        with pytest.warns(InputWarning, match=there):
+            check_twin(tmp_path, name)
+    else:
+        check_twin(tmp_path, name)
