@@ -12,7 +12,7 @@ from typing import Any
 
 from study.cli.common import add_motions_option, print_json
 
-GRAPHICS = """
+DRAWS = """
 import os; os.environ["PYOPENGL_PLATFORM"] = "egl"
 from stimuli.render.appearance import Appearance
 from stimuli.render.scene import Renderer
@@ -21,7 +21,7 @@ from OpenGL import GL
 print(GL.glGetString(GL.GL_RENDERER).decode(), "/ OpenGL", GL.glGetString(GL.GL_VERSION).decode())
 renderer.close()
 """
-WINDOW = """
+OPENS = """
 import json
 from study.protocol.schema import Keys
 from study.screen.clips import ClipCache
@@ -87,7 +87,7 @@ def _python(script: str, remedy: str = "") -> str:
 
 
 def _rendering() -> str:
-    return _python(GRAPHICS)
+    return _python(DRAWS)
 
 
 def _window() -> str:
@@ -96,7 +96,7 @@ def _window() -> str:
     real = has_screen()
     place: Any = nullcontext() if real else virtual_screen()
     with place:
-        line = _python(WINDOW, "install libglu1-mesa libjack-jackd2-0 libasound2 and a screen")
+        line = _python(OPENS, "install libglu1-mesa libjack-jackd2-0 libasound2 and a screen")
     shown = json.loads(line)
     rate = shown["refresh_rate"]
     screen = f"refresh {rate} Hz" if rate else "no refresh rate; sessions pace themselves"

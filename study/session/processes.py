@@ -9,13 +9,13 @@ from typing import Any, TypeVar
 
 from stimuli.errors import InputWarning
 
-Job = TypeVar("Job")
-Found = TypeVar("Found")
+_Job = TypeVar("_Job")
+_Found = TypeVar("_Found")
 
 
 def mapped(
-    function: Callable[[Job], Found], jobs: Sequence[Job], workers: int | None, most: int
-) -> Iterator[Found]:
+    function: Callable[[_Job], _Found], jobs: Sequence[_Job], workers: int | None, most: int
+) -> Iterator[_Found]:
     """What `function` makes of each job, in order, in at most `most` processes.
 
     `workers` limits them too (default: all cores). The function and the jobs are pickled.
