@@ -5,6 +5,10 @@ class InputError(ValueError):
     """Input that cannot be used; the message is for the person who gave it."""
 
 
+class UnwritableError(InputError):
+    """A file cannot be written where it was wanted; the system's reason is its cause."""
+
+
 class InputWarning(UserWarning):
     """Input that was read but looks suspicious."""
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from stimuli.errors import InputError
+from stimuli.errors import UnwritableError
 
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)  # there is no room for what is written
 
@@ -16,7 +16,7 @@ FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)  # there is no room for what is
 def write_atomic(path: Path, content: str | bytes) -> None:
     """Write `content` (text as UTF-8) to `path`, which never holds a half-written file.
 
-    Missing directories are made. InputError that names `path` where it cannot be written.
+    Missing directories are made. UnwritableError that names `path` where it cannot be written.
     """
     data = content.encode() if isinstance(content, str) else content
     with _refusals_name(path):
@@ -37,7 +37,7 @@ def write_atomic(path: Path, content: str | bytes) -> None:
 
 
 def check_writable(path: Path) -> None:
-    """InputError unless a file can be written to `path`; leaves nothing behind.
+    """UnwritableError unless a file can be written to `path`; leaves nothing behind.
 
     Tried in the nearest directory that is there, since permissions do not tell of a read-only
     disk, nor of what the superuser may not do either.
@@ -63,7 +63,7 @@ def _refusals_name(path: Path) -> Iterator[None]:
         yield
     except OSError as error:
         remedy = "make room on it" if error.errno in FULL else "make that one writable"
-        raise InputError(
+        raise UnwritableError(
             f"{path}: expected a place where a file can be written, found: "
             f"{error.strerror or error}.\nChoose another, or {remedy}."
         ) from error

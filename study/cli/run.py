@@ -33,7 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Run the session; 1 when somebody left it."""
-    from stimuli.errors import InputError
+    from stimuli.errors import InputError, UnwritableError
     from study.protocol.rendered import check_rendered
     from study.protocol.sets import references_of_manifest
     from study.record.table import NotKeptError
@@ -72,18 +72,23 @@ def run(args: argparse.Namespace) -> int:
             file=sys.stderr,
         )
     _ask_person(args)
+    go_on = f"go on with: {_resume_command(args)}"
     try:
         record = run_session(
             request, protocol, manifest, lambda record: _resume(args, record), open_window
         )
-    except SessionLeft:
-        print(f"left; go on with: {_resume_command(args)}", file=sys.stderr)
+    except (SessionLeft, KeyboardInterrupt):
+        print(f"left; {go_on}", file=sys.stderr)
         return 1
     except ScreenLostError:
         print(request.lost, file=sys.stderr)
         return 1
-    except NotKeptError as error:
-        print(f"segue run: {error}, and go on with: {_resume_command(args)}", file=sys.stderr)
+    except (NotKeptError, UnwritableError) as error:
+        print(
+            f"segue run: {str(error).splitlines()[0]}; all answers before it are kept.\n"
+            f"See that there is room to write, and {go_on}",
+            file=sys.stderr,
+        )
         return 1
     _ask_comments(args)
     print(f"record: {record.path}")

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from stimuli.errors import InputError, MachineError
-from stimuli.files import FULL, write_atomic
+from stimuli.files import write_atomic
 
 MISSING = "n/a"
 
@@ -33,7 +33,7 @@ COMMON: Mapping[str, str] = {
 
 
 class NotKeptError(MachineError):
-    """An answer could not be written; those before it are on the disk, and it is asked again."""
+    """An answer could not be written; those before it are kept, and resuming asks it again."""
 
 
 @dataclass
@@ -61,11 +61,9 @@ class Record:
                 stream.flush()
                 os.fsync(stream.fileno())
         except OSError as error:
-            number = row.get("trial", "the last one")
-            remedy = "make room on that disk" if error.errno in FULL else "see to that disk"
             raise NotKeptError(
-                f"{self.path}: trial {number} could not be written: {error.strerror or error}; "
-                f"all trials before it are kept.\n{remedy[0].upper()}{remedy[1:]}"
+                f"{self.path}: trial {row.get('trial')} could not be written: "
+                f"{error.strerror or error}"
             ) from error
 
     def save_sidecar(self, **changes: Any) -> None:

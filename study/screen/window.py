@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from stimuli.errors import InputError
+from stimuli.errors import InputError, UnwritableError
 from study.protocol.schema import Keys
 from study.screen.clips import ClipCache, Frames
 from study.screen.home import writable_home
@@ -238,10 +238,16 @@ class WindowStage:
             for due, flip in zip(dues, flips, strict=True)
         ]
         new = not self._flip_log.exists()
-        with self._flip_log.open("a", encoding="utf-8") as stream:
-            if new:
-                stream.write("trial\tframe\tdue\tflip\tunix_time\n")
-            stream.writelines(lines)
+        try:
+            with self._flip_log.open("a", encoding="utf-8") as stream:
+                if new:
+                    stream.write("trial\tframe\tdue\tflip\tunix_time\n")
+                stream.writelines(lines)
+        except OSError as error:
+            raise UnwritableError(
+                f"{self._flip_log}: the flips of {label} could not be written: "
+                f"{error.strerror or error}"
+            ) from error
 
 
 def _open_window(screen: int, windowed: bool, background: tuple[int, int, int]) -> Any:
