@@ -1,10 +1,9 @@
 """Building a set: what is missing is rendered, what is there is kept, nothing is half-written.
 
-A clip's name is the hash of what it is made of: how the body's bones move frame by frame, its
-skin, the camera and the appearance. A clip counts as there when its file and the small document
-beside it are, the document being written last; so an interrupted build goes on where it stopped,
-and a change of anything that shows gives a new name. Clips of earlier builds stay, since records
-may refer to them; `prune` removes them.
+A clip's name is the hash of what it is made of (`naming`), the same on any machine. It counts as
+there when its file and the small document beside it are, the document being written last; so an
+interrupted build goes on where it stopped, and a change of anything that shows gives a new name.
+Clips of earlier builds stay, since records may refer to them; `prune` removes them.
 """
 
 import json

@@ -13,12 +13,13 @@ import numpy as np
 
 from stimuli.motion.quaternions import Array
 from stimuli.motion.skeleton import Motion
+from stimuli.ties import ROUNDING
 from stimuli.transition.distance import pose_distance
 from stimuli.transition.weights import Weights
 from stimuli.transition.window import LONGEST, specified
 
 _MANY = 1_000_000  # cells; below, loading the compiler costs more than it saves
-_ROUNDING = 1e-14  # of the largest sum: means that differ by less, as sums round, are tied
+_SUMS = 1e-14  # of the largest sum, by which sums round beyond what costs do
 _STRIP = 256  # cells whose best stays in a core's nearest memory over all lengths
 # For each piece: its length b, where it starts and how many cells it has, from (i, j)
 Pieces = tuple[tuple[int, int, int, int], ...]
@@ -41,7 +42,7 @@ def lengths_of(distance: np.ndarray, specification: str) -> tuple[np.ndarray, Ar
     frames = np.zeros(distance.shape, dtype=np.int64)
     least = np.full(distance.shape, np.inf)
     pieces = _PIECES[specification]
-    tie = _ROUNDING * float(sums.max())
+    tie = max(ROUNDING, _SUMS * float(sums.max()))
     if distance.size > _MANY:
         _compiled()(sums, np.array(pieces), tie, frames, least)
         return frames, least
