@@ -121,9 +121,7 @@ def _conform(path: Path, source: Source, said: Overrides) -> tuple[Motion, dict[
     if is_relative(source, roles, up):
         root = root + source.offsets[0]
         notes.append("the root's position channels are relative to its OFFSET: added to it")
-    if strays := [f"{name} ({far * metres * 1000:.1f} mm)" for name, far in source.strays.items()
-                  if far * metres > 1e-3]:  # fmt: skip
-        notes.append(f"positions that vary were replaced by their mean: {', '.join(strays)}")
+    notes += _averaged(source, metres)
     skeleton = _skeleton(source, roles, metres, UPRIGHT[rest])
     rotations, root = upright(source.rotations, root * metres, rest, up)
     cycle = _cycle(source, skeleton, rotations, root)
@@ -144,6 +142,16 @@ def _without_rest_poses(source: Source) -> tuple[Source, int]:
         return source, 0
     rest = slice(leading, None)
     return replace(source, rotations=source.rotations[rest], root=source.root[rest]), leading
+
+
+def _averaged(source: Source, metres: float) -> list[str]:
+    """A warning that names joints whose positions vary, where that is to be seen."""
+    strays = {
+        source.names[joint]: metres * quat.norm(moves - source.offsets[joint]).max()
+        for joint, moves in source.moves.items()
+    }
+    told = [f"{name} ({far * 1000:.1f} mm)" for name, far in strays.items() if far > 1e-3]
+    return [f"positions that vary were replaced by their mean: {', '.join(told)}"] if told else []
 
 
 def _skeleton(source: Source, roles: Mapping[str, int], metres: float, turn: Array) -> Skeleton:

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from stimuli.errors import InputError, InputWarning
-from stimuli.motion.formats.source import FASTEST, SLOWEST, is_rate
+from stimuli.motion.formats.rates import FASTEST, SLOWEST, is_rate
 from stimuli.motion.roles import ROLES
 from stimuli.motion.units import UPRIGHT
 

@@ -12,13 +12,13 @@ import numpy as np
 from stimuli.motion import quaternions as quat
 from stimuli.motion.formats.acclaim_poses import read_poses
 from stimuli.motion.formats.acclaim_skeleton import Bone, read_asf
+from stimuli.motion.formats.rates import rounded_rate
 from stimuli.motion.formats.source import (
     Source,
     check_size,
     contents,
     decode,
     fault,
-    rounded_rate,
 )
 from stimuli.motion.quaternions import Array
 

@@ -54,7 +54,7 @@ def _as_table(path: Path, text: str, widths: Mapping[str, int], degrees: bool) -
     if not layout or numbers is None:
         return None
     try:
-        table = parse_numbers(path, numbers, 0)
+        table = parse_numbers(path, numbers)
     except InputError:
         return None
     columns = np.cumsum([1, *layout.values()])
@@ -75,7 +75,7 @@ def _layout(text: str, start: int, widths: Mapping[str, int]) -> dict[str, int] 
     return layout
 
 
-def _blanked(text: str, start: int, first: int, layout: Mapping[str, int]) -> str | None:
+def _blanked(text: str, start: int, first: int, layout: Mapping[str, int]) -> bytes | None:
     """The frames from `start` on with blanks for the bones' names; None when not as laid out.
 
     What is left are numbers: for each frame its own and, line by line, as many as there should be.
@@ -104,7 +104,7 @@ def _blanked(text: str, start: int, first: int, layout: Mapping[str, int]) -> st
     lines = np.repeat(np.arange(len(ends)), counts)
     if len(words) != len(lines) or np.any((words < starts[lines]) | (words > ends[lines])):
         return None
-    return data.decode("ascii")
+    return bytes(data)
 
 
 def _line_by_line(path: Path, text: str, widths: Mapping[str, int], degrees: bool) -> Poses:
