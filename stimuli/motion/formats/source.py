@@ -79,7 +79,9 @@ def text_bytes(path: Path, data: bytes) -> bytes:
 def decode(path: Path, data: bytes) -> str:
     """The text of a file, lines ending in one way: UTF-8, UTF-16 with its mark, else Latin-1."""
     text = decoded(text_bytes(path, data))
-    return re.sub(LINE_END, "\n", text) if "\r" in text else text
+    for end in ("\r\r\n", "\r\n", "\r"):
+        text = text.replace(end, "\n")
+    return text
 
 
 def decoded(data: bytes) -> str:
