@@ -37,34 +37,37 @@ def rest_up(source: Source, roles: Mapping[str, int]) -> tuple[str, str | None]:
 
 
 def world_up(source: Source, roles: Mapping[str, int], rest: str) -> tuple[str, str | None]:
-    """The up axis of the motion: that of the rest pose, unless the body plainly stands on another.
+    """The up axis of the motion: that of its format or else of the rest pose, unless the body
+    plainly stands on another; a warning then.
 
     Some exporters turn the body by its root rotation and leave the rest pose as it was, or rest
     with all bones along one axis. Such a body stands along the other axis with its feet at height
     0; one that lies there has its root a little above 0 by the rest pose's axis.
     """
+    usual = source.world or rest
+    other = "Z" if usual == "Y" else "Y"
     ankles = [roles[side] for side in ("left_ankle", "right_ankle") if side in roles]
     if "head" not in roles or not ankles:
-        return rest, None
-    other = "Z" if rest == "Y" else "Y"
+        return usual, None
     leg = bones_to(source, ankles[0])
     tall = leg + bones_to(source, roles["head"])
     frames = slice(None, None, max(1, len(source.root) // _MOST_FRAMES))
     feet = np.stack([_places(source, joint, frames) for joint in ankles], axis=1)
     rise = np.median(_places(source, roles["head"], frames) - feet.mean(axis=1), axis=0)
-    along, across = ("XYZ".index(axis) for axis in (rest, other))
+    along, across = ("XYZ".index(axis) for axis in (usual, other))
     if rise[across] < _STANDS * tall:
-        return rest, None
+        return usual, None
     places = rest_positions(source.parents, source.offsets)
     at_rest = places[roles["head"]] - places[ankles].mean(axis=0)
-    if abs(at_rest[along]) < _STANDS * tall:
+    if source.world is None and abs(at_rest[along]) < _STANDS * tall:
         return other, None  # a rest pose that does not stand tells nothing
     low = np.median(feet[..., across].min(axis=1))
     heights = source.root[frames, along]
     lies = np.mean((heights > _LYING[0] * leg) & (heights < _LYING[1] * leg)) > 0.9
     if lies or not _FLOOR[0] * leg < low < _FLOOR[1] * leg:
-        return rest, None
-    return other, f"the rest pose stands along {rest}, the motion along {other}: taken as up"
+        return usual, None
+    whose = f"{source.format} has {usual} up" if source.world else f"the rest pose has {usual} up"
+    return other, f"{whose}, the body stands along {other}: taken as up"
 
 
 def _places(source: Source, joint: int, frames: slice) -> Array:

@@ -14,6 +14,7 @@ from stimuli.motion import quaternions as quat
 from stimuli.motion.axes import UPRIGHT, rest_up, upright, world_up
 from stimuli.motion.carrier import carrier, folded
 from stimuli.motion.formats import READERS
+from stimuli.motion.formats.refused import REFUSED, refusal
 from stimuli.motion.formats.source import Source, check_size, contents
 from stimuli.motion.loops import closed_cycle
 from stimuli.motion.overrides import AUTO, Overrides, overrides_for, roles_given
@@ -89,6 +90,8 @@ def load(
 
 def _reader(path: Path) -> Callable[[Path, bytes, float | None], Source]:
     reader = READERS.get(path.suffix.lower())
+    if reader is None and path.suffix.lower() in REFUSED:
+        raise refusal(path)
     if reader is None:
         raise InputError(
             f"{path}: expected a clip of a known format ({', '.join(READERS)}), "

@@ -70,16 +70,6 @@ def refuse_asf(path: Path, data: bytes, fps: float | None = None) -> Source:
     raise fault(path, "a motion", "an Acclaim skeleton", "Name the .amc file; this one lies by it.")
 
 
-def refuse_c3d(path: Path, data: bytes, fps: float | None = None) -> Source:
-    """A C3D holds markers, from which a skeleton must be solved first."""
-    raise fault(
-        path,
-        "joint rotations of a skeleton",
-        "C3D, which holds positions of markers and no skeleton",
-        "Solve it onto a skeleton (MotionBuilder, Vicon, Motive or Blender) and export BVH.",
-    )
-
-
 def _skeleton_beside(path: Path) -> Path:
     """The ASF that belongs to an AMC."""
     beside = sorted(p for p in path.parent.glob("*") if p.suffix.lower() == ".asf")
