@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from stimuli.motion import quaternions as quat
+from stimuli.motion.compiled import worth_loading
 from stimuli.motion.formats.bvh_hierarchy import AXES, Hierarchy
 from stimuli.motion.formats.numbers import number_blocks, plain_blocks
 from stimuli.motion.formats.scan import (
@@ -20,7 +21,6 @@ from stimuli.motion.formats.scan import (
     new_state,
 )
 from stimuli.motion.formats.source import check_size, fault, line_of
-from stimuli.motion.formats.worth import worth_loading
 from stimuli.motion.quaternions import Array
 
 Poses = tuple[int, Array, Array]  # how many are wanted, rotations and positions to be filled

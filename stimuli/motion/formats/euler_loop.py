@@ -5,7 +5,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from stimuli.motion.formats.scan_loop import kept
+from stimuli.motion.compiled import kept
 from stimuli.motion.quaternions import Array
 
 Whole = npt.NDArray[np.int64]

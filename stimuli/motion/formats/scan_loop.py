@@ -1,11 +1,8 @@
 """The loop of a scan, compiled: imported where it is called, since Numba takes a while to load."""
 
-from collections.abc import Callable
-from typing import Any
-
-import numba
 import numpy as np
 
+from stimuli.motion.compiled import inlined, kept
 from stimuli.motion.formats.scan import (
     BEGINS,
     ENDED,
@@ -31,27 +28,13 @@ _TEN = np.uint64(10)
 _SPLIT = 134217729.0  # 2²⁷ + 1, Veltkamp's
 
 
-def _inlined(function: Callable[..., Any]) -> Callable[..., Any]:
-    """A part of the loop, which a call for each word would slow down several times."""
-    return numba.njit(inline="always", error_model="numpy")(function)
-
-
-def kept(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The function compiled, on the first call, and kept on disk where there is a place for it."""
-    options: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
-    try:
-        return numba.njit(cache=True, **options)(function)
-    except RuntimeError:  # nowhere to keep it
-        return numba.njit(**options)(function)
-
-
-@_inlined
+@inlined
 def _is_blank(code: int) -> bool:
     """Whether a character of ASCII is one at which `str.split` parts words."""
     return code == 32 or 9 <= code <= 13 or 28 <= code <= 31
 
 
-@_inlined
+@inlined
 def _end_line(state: State, usual: int) -> None:
     """Counts the line that ends, unless there are no words in it."""
     if state[WORDS] == 0:
@@ -65,7 +48,7 @@ def _end_line(state: State, usual: int) -> None:
     state[WORDS] = 0
 
 
-@_inlined
+@inlined
 def _number(codes: Codes, place: int, high: Array, low: Array) -> tuple[int, float, int]:
     """Where the word at `place` ends, the number that it is, and FULL; or why it is none."""
     size = len(codes)
@@ -104,7 +87,7 @@ def _number(codes: Codes, place: int, high: Array, low: Array) -> tuple[int, flo
     return place, -value if negative else value, FULL
 
 
-@_inlined
+@inlined
 def _digits(
     codes: Codes, place: int, mantissa: np.uint64, cut: bool
 ) -> tuple[int, np.uint64, int, int, bool]:
@@ -121,7 +104,7 @@ def _digits(
     return place, mantissa, place - first, spare, cut
 
 
-@_inlined
+@inlined
 def _value(
     mantissa: np.uint64, power: int, cut: bool, high: Array, low: Array
 ) -> tuple[float, bool]:
