@@ -35,7 +35,7 @@ NUMBERS = (
     "tests/stimuli/sets/test_ends.py", "tests/stimuli/sets/test_plan.py",
     "tests/stimuli/render/test_camera.py", "tests/stimuli/render/test_shapes.py",
     "tests/stimuli/render/test_bodies.py", "tests/analysis", "tests/papers",
-    "tests/study/test_sets.py",
+    "tests/study/protocol/test_sets.py",
 )  # fmt: skip
 # Words, dates, the order of files, what may be written where, processes beside one another.
 PLACES = (

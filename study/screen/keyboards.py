@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from stimuli.errors import InputError
+from study.screen.labels import places_of
 from study.screen.press import Keyboard, Press
 from study.screen.priority import may_have_priority
 
@@ -37,6 +38,7 @@ class PtbKeyboard:
                 "badly;\ninstall libjack-jackd2-0 and libasound2 (Debian), or see `segue doctor`"
             )
         self._listening_since = 0.0
+        self._places: dict[str, str] = {}
 
     def listen(self) -> None:
         """From now on keys count."""
@@ -52,16 +54,21 @@ class PtbKeyboard:
 
     def pressed(self, names: Sequence[str], clear: bool = True) -> list[Press]:
         """Keys since `listen`; psychopy gives those that are held and those let go apart."""
+        if unknown := [name for name in names if name not in self._places.values()]:
+            self._places |= places_of(unknown)
+        wanted = {place: name for place, name in self._places.items() if name in names}
         keys = [
             key
             for let_go in (False, True)
-            for key in self._keys.getKeys(list(names), waitRelease=let_go, clear=clear)
+            for key in self._keys.getKeys(list(wanted), waitRelease=let_go, clear=clear)
             if key.tDown >= self._listening_since and key.rt >= 0
         ]
-        return [Press(key.name, float(key.rt)) for key in sorted(keys, key=lambda key: key.tDown)]
+        pressed = sorted(keys, key=lambda key: key.tDown)
+        return [Press(wanted[key.name], float(key.rt)) for key in pressed]
 
     def measure(self) -> None:
-        """Its times are taken on the session's own clock."""
+        """Its times are taken on the session's own clock; the layout may be another by now."""
+        self._places.clear()
 
     def timing(self) -> dict[str, object]:
         """A queue filled by a thread of real-time priority; nothing to measure."""

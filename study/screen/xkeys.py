@@ -13,13 +13,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from study.protocol.keys import KEY_NAMES
+from study.screen.labels import LEVELS
 from study.screen.press import Press
 from study.session.stage import ScreenLostError
 
 PROBES = 64
 TICK = 1e-3  # the server counts whole milliseconds
 WRAP = 1 << 32  # of which its stamps hold 32 bits
-LEVELS = 2  # a key is called by what it is unshifted, and shifted
 
 
 class ClockFit(NamedTuple):
@@ -170,7 +170,7 @@ class ServerKeyboard:
             self._waiting += [(at, name) for name in self._called(event.detail)]
 
     def _called(self, code: int) -> list[str]:
-        """What a key is called, unshifted first: on some keyboards digits are shifted."""
+        """What a key is called, unshifted first."""
         symbols = [self._display.keycode_to_keysym(code, level) for level in range(LEVELS)]
         return list(dict.fromkeys(self._names[s] for s in symbols if s in self._names))
 

@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -299,6 +300,36 @@ stage.close()
 def test_a_key_is_timed_when_it_went_down_not_when_it_was_read(screen: str, keyboard: str) -> None:
     """Read half a second late; a held key, which repeats itself, is one press."""
     assert said_by(HELD, keyboard) == "4 True\n[]\n"
+
+
+LAYOUT = """
+import subprocess, time
+from study.protocol.schema import Keys
+from study.screen.clips import ClipCache
+from study.screen.window import Look, WindowStage
+look = Look(Keys(), ("1", "2"), 0.0, 0.6, 30.0, (127, 127, 127))
+for layout in ("de", "fr", "us"):
+    subprocess.run(["setxkbmap", layout], check=True)
+    stage = WindowStage(look, ClipCache(lambda key: None), None, windowed=True)
+    stage._text("?")
+    stage._keyboard.measure()
+    stage._keyboard.listen()
+    keys = ["z", "y", "a", "1", "space"]
+    for key in keys:
+        subprocess.run(["xdotool", "keydown", key], check=True)
+        time.sleep(0.08)
+        subprocess.run(["xdotool", "keyup", key], check=True)
+        time.sleep(0.05)
+    print(*[press.name for press in stage._keyboard.pressed(keys)])
+    stage.close()
+"""
+
+
+@pytest.mark.parametrize("keyboard", KEYBOARDS)
+def test_a_key_is_called_what_is_printed_on_it(screen: str, keyboard: str) -> None:
+    if shutil.which("setxkbmap") is None:
+        pytest.skip("no setxkbmap to change the keyboard's layout")
+    assert said_by(LAYOUT, keyboard).splitlines() == ["z y a 1 space"] * 3
 
 
 def said_by(script: str, keyboard: str) -> str:
