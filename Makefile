@@ -37,7 +37,8 @@ samples: $(READY)
 lint: $(READY)
 	$(PYTHON) -m ruff check .
 	$(PYTHON) -m ruff format --check .
-	$(PYTHON) -m mypy
+	@for system in linux win32 darwin; do \
+		echo "types on $$system:"; $(PYTHON) -m mypy --platform $$system || exit 1; done
 
 bench: system $(READY)
 	$(PYTHON) -m pip install --quiet --constraint constraints.txt --editable '.[bench,opinion]'

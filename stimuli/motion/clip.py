@@ -11,22 +11,19 @@ import numpy as np
 
 from stimuli.errors import InputError
 from stimuli.motion import quaternions as quat
+from stimuli.motion.axes import UPRIGHT, rest_up, upright, world_up
+from stimuli.motion.carrier import carrier, folded
 from stimuli.motion.formats import READERS
+from stimuli.motion.formats.refused import REFUSED, refusal
 from stimuli.motion.formats.source import Source, check_size, contents
 from stimuli.motion.loops import closed_cycle
 from stimuli.motion.overrides import AUTO, Overrides, overrides_for, roles_given
 from stimuli.motion.quaternions import Array
 from stimuli.motion.resample import resampled, resampled_length
 from stimuli.motion.roles import missing_roles, resolve_roles
+from stimuli.motion.shape import shape_roles
 from stimuli.motion.skeleton import Cycle, Motion, Skeleton
-from stimuli.motion.units import (
-    UPRIGHT,
-    is_relative,
-    metres_per_unit,
-    rest_up,
-    upright,
-    world_up,
-)
+from stimuli.motion.units import is_relative, metres_per_unit
 
 WORKING_RATE = 30.0
 _MOST_REST_POSES = 3
@@ -93,6 +90,8 @@ def load(
 
 def _reader(path: Path) -> Callable[[Path, bytes, float | None], Source]:
     reader = READERS.get(path.suffix.lower())
+    if reader is None and path.suffix.lower() in REFUSED:
+        raise refusal(path)
     if reader is None:
         raise InputError(
             f"{path}: expected a clip of a known format ({', '.join(READERS)}), "
@@ -105,10 +104,8 @@ def _conform(path: Path, source: Source, said: Overrides) -> tuple[Motion, dict[
     """The motion in metres, +Y up, at the working rate, and what was decided on the way."""
     given, doubts = roles_given(said, path, source.names)
     notes = [*source.warnings, *doubts]
-    source, dropped = _without_rest_poses(source)
-    if dropped:
-        notes.append(f"{dropped} inserted rest pose{'s' * (dropped > 1)} dropped at the start")
-    roles = resolve_roles(source.names, source.parents, source.rotations, given)
+    source, roles, doubts = _with_roles(source, given)
+    notes += doubts
     rest, doubt = rest_up(source, roles)
     up = said.up
     if up == AUTO:
@@ -121,9 +118,7 @@ def _conform(path: Path, source: Source, said: Overrides) -> tuple[Motion, dict[
     if is_relative(source, roles, up):
         root = root + source.offsets[0]
         notes.append("the root's position channels are relative to its OFFSET: added to it")
-    if strays := [f"{name} ({far * metres * 1000:.1f} mm)" for name, far in source.strays.items()
-                  if far * metres > 1e-3]:  # fmt: skip
-        notes.append(f"positions that vary were replaced by their mean: {', '.join(strays)}")
+    notes += _averaged(source, metres)
     skeleton = _skeleton(source, roles, metres, UPRIGHT[rest])
     rotations, root = upright(source.rotations, root * metres, rest, up)
     cycle = _cycle(source, skeleton, rotations, root)
@@ -135,6 +130,39 @@ def _conform(path: Path, source: Source, said: Overrides) -> tuple[Motion, dict[
     return motion, {"seconds": seconds, "scale": metres, "up": up, "warnings": tuple(notes)}
 
 
+def _with_roles(
+    source: Source, given: Mapping[str, str]
+) -> tuple[Source, dict[str, int], list[str]]:
+    """The motion of the body alone, its roles, and what was decided on the way."""
+    notes = []
+    roles = _roles(source, given)
+    if joint := carrier(source, roles[0] | roles[1]):
+        source, note = folded(source, joint)
+        notes.append(note)
+    source, dropped = _without_rest_poses(source)
+    if joint or dropped:
+        kept = {role: name for role, name in given.items() if name in source.names}
+        roles = _roles(source, kept)
+    if dropped:
+        notes.append(f"{dropped} inserted rest pose{'s' * (dropped > 1)} dropped at the start")
+    known, by_shape = roles
+    if by_shape:
+        told = ", ".join(f"{role} = {source.names[joint]}" for role, joint in by_shape.items())
+        notes.append(f"told from the skeleton's shape, as no name tells it: {told}")
+    return source, known | by_shape, notes
+
+
+def _roles(source: Source, given: Mapping[str, str]) -> tuple[dict[str, int], dict[str, int]]:
+    """Roles told from names, and those of the others that the shape tells."""
+    known = resolve_roles(source.names, source.parents, source.rotations, given)
+    if not missing_roles(known):
+        return known, {}
+    body = Skeleton(
+        source.names, source.parents, source.offsets, source.end_parents, source.end_offsets
+    )
+    return known, shape_roles(body, source.rotations, known)
+
+
 def _without_rest_poses(source: Source) -> tuple[Source, int]:
     """Leading frames, at most three, at rest before a frame that is not: dropped."""
     if source.at_rest is None or source.at_rest.all():
@@ -143,7 +171,23 @@ def _without_rest_poses(source: Source) -> tuple[Source, int]:
     if not 0 < leading <= _MOST_REST_POSES:
         return source, 0
     rest = slice(leading, None)
-    return replace(source, rotations=source.rotations[rest], root=source.root[rest]), leading
+    return replace(
+        source,
+        rotations=source.rotations[rest],
+        root=source.root[rest],
+        moves={joint: track[rest] for joint, track in source.moves.items()},
+        at_rest=source.at_rest[rest],
+    ), leading
+
+
+def _averaged(source: Source, metres: float) -> list[str]:
+    """A warning that names joints whose positions vary, where that is to be seen."""
+    strays = {
+        source.names[joint]: metres * quat.norm(moves - source.offsets[joint]).max()
+        for joint, moves in source.moves.items()
+    }
+    told = [f"{name} ({far * 1000:.1f} mm)" for name, far in strays.items() if far > 1e-3]
+    return [f"positions that vary were replaced by their mean: {', '.join(told)}"] if told else []
 
 
 def _skeleton(source: Source, roles: Mapping[str, int], metres: float, turn: Array) -> Skeleton:

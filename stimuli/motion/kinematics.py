@@ -3,6 +3,7 @@
 import numpy as np
 
 from stimuli.motion import quaternions as quat
+from stimuli.motion.compiled import worth_loading
 from stimuli.motion.quaternions import Array
 from stimuli.motion.skeleton import Motion, Skeleton
 
@@ -12,6 +13,36 @@ def forward(skeleton: Skeleton, rotations: Array, root: Array) -> tuple[Array, A
 
     `rotations` (..., J, 4) are local, `root` (..., 3) is where the root joint stands.
     """
+    if worth_loading(rotations.nbytes):
+        return _followed(skeleton, rotations, root)
+    return _by_levels(skeleton, rotations, root)
+
+
+def _followed(skeleton: Skeleton, rotations: Array, root: Array) -> tuple[Array, Array]:
+    """The same by the compiled loop."""
+    from stimuli.motion.kinematics_loop import follow
+
+    frames, joints = rotations.shape[:-2], len(skeleton)
+    positions, orientations = np.empty((*frames, joints, 3)), np.empty((*frames, joints, 4))
+    root = np.broadcast_to(root, (*frames, 3))
+    follow(
+        _whole(rotations, float).reshape(-1, joints, 4),
+        _whole(root, float).reshape(-1, 3),
+        _whole(skeleton.offsets, float),
+        _whole(skeleton.parents, np.int64),
+        positions.reshape(-1, joints, 3),
+        orientations.reshape(-1, joints, 4),
+    )
+    return positions, orientations
+
+
+def _whole(values: np.ndarray, kind: type) -> np.ndarray:
+    """The array as the loop was compiled for it: of one piece, and no view that is read-only."""
+    return np.require(values, kind, ["C", "W"])
+
+
+def _by_levels(skeleton: Skeleton, rotations: Array, root: Array) -> tuple[Array, Array]:
+    """The same by NumPy, the joints of one depth at a time."""
     orientations = np.empty(rotations.shape)
     orientations[..., 0, :] = rotations[..., 0, :]
     for joints, parents in skeleton.levels:

@@ -10,6 +10,7 @@ from pathlib import Path
 from stimuli.errors import InputError
 from stimuli.motion.clip import Clip, load
 from stimuli.motion.formats import READERS
+from stimuli.motion.formats.amass import is_amass
 from stimuli.motion.overrides import OVERRIDES
 
 _SNIFFED = {".txt", ".json"}  # suffixes that other files carry too
@@ -116,6 +117,8 @@ def is_clip(path: Path) -> bool:
     suffix = path.suffix.lower()
     if suffix not in READERS or suffix == ".asf" or path.name == OVERRIDES or not path.is_file():
         return False
+    if suffix == ".npz":
+        return is_amass(path)
     if suffix not in _SNIFFED:
         return True
     try:

@@ -1,12 +1,14 @@
-"""Which joint plays which anatomical part, told from names by families of exporters.
+"""Which joint plays which anatomical part, told from names by the conventions of their makers.
 
-One name means different joints in different families (LeftShoulder is a clavicle in MotionBuilder
-and the upper arm in 3ds Max), so all names of a skeleton are read in the family that explains
-most of them. Trunk joints follow from the hierarchy: the pelvis is where the legs part, the chest
-where the arms do, the spine the first joint above the pelvis that moves.
+One name means different joints to different makers (LeftShoulder is a clavicle in MotionBuilder
+and the upper arm in 3ds Max; LeftLeg is below LeftUpLeg, and a thigh nowhere), so the names of all
+arms are read by the convention that explains most of them, and those of all legs by theirs. Trunk
+joints follow from the hierarchy: the pelvis is where the legs part, the chest where the arms do,
+the spine the first joint above the pelvis that moves.
 """
 
 import re
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
 
@@ -19,52 +21,73 @@ ROLES = (
     "pelvis", "spine", "chest", "neck", "head",
     *(f"{side}_{limb}" for side in ("left", "right") for limb in LIMBS),
 )  # fmt: skip
+Convention = Mapping[str, str]  # what a name says but for its side → part
 
-_SIDED = (  # patterns of (side, core) on names without prefix, tried in turn
+TRUNK: Convention = {
+    **dict.fromkeys(
+        ("hips", "pelvis", "hip", "root", "lowertorso", "下半身", "センター"), "pelvis"
+    ),
+    **dict.fromkeys(("neck", "lowerneck", "necklower", "necktwist", "cervical", "首"), "neck"),
+    **dict.fromkeys(("head", "face", "skull", "頭"), "head"),
+}
+_CLAVICLE = dict.fromkeys(("clavicle", "collar", "collarbone", "scapula"), "clavicle")
+ARMS: Mapping[str, Convention] = {
+    # MotionBuilder, Mixamo, Xsens, Unreal, Blender, Biped, OptiTrack, iClone, GENEA, Bandai-Namco
+    "segments": _CLAVICLE | {
+        "shoulder": "clavicle",
+        "upperarm": "shoulder", "uparm": "shoulder", "uarm": "shoulder", "arm": "shoulder",
+        "shldr": "shoulder", "shldrbend": "shoulder", "bicep": "shoulder",
+        "lowerarm": "elbow", "forearm": "elbow", "farm": "elbow", "larm": "elbow",
+        "forearmbend": "elbow", "loarm": "elbow", "hand": "wrist", "wrist": "wrist",
+    },
+    # Biovision, 3ds Max, SMPL, DeepMimic, Kinect, Second Life, Advanced Skeleton
+    "joints": _CLAVICLE | {
+        "shoulder": "shoulder", "elbow": "elbow", "wrist": "wrist", "hand": "wrist",
+    },
+    # Acclaim: bones named by anatomists
+    "bones": {
+        "clavicle": "clavicle", "humerus": "shoulder", "radius": "elbow", "hand": "wrist",
+    },
+    "MikuMikuDance": {"肩": "clavicle", "腕": "shoulder", "ひじ": "elbow", "手首": "wrist"},
+}  # fmt: skip
+LEGS: Mapping[str, Convention] = {
+    "segments": {
+        "upleg": "hip", "upperleg": "hip", "thigh": "hip", "uleg": "hip", "thighbend": "hip",
+        "leg": "knee", "lowerleg": "knee", "shin": "knee", "calf": "knee", "shank": "knee",
+        "lleg": "knee", "loleg": "knee", "knee": "knee", "foot": "ankle", "ankle": "ankle",
+        "toe": "toe", "toes": "toe", "toebase": "toe", "ball": "toe", "forefoot": "toe",
+        "toe11": "toe",
+    },
+    "joints": {
+        "hip": "hip", "knee": "knee", "ankle": "ankle",
+        "foot": "toe", "toe": "toe", "toes": "toe", "toebase": "toe", "ball": "toe",
+    },
+    "joints down to the foot": {
+        "hip": "hip", "knee": "knee", "foot": "ankle", "toe": "toe", "toes": "toe",
+        "toebase": "toe", "ball": "toe",
+    },
+    "bones": {"femur": "hip", "tibia": "knee", "foot": "ankle", "toes": "toe"},
+    "MikuMikuDance": {"足": "hip", "ひざ": "knee", "足首": "ankle", "つま先": "toe"},
+}  # fmt: skip
+
+_SIDED = (  # patterns of (side, core) on names without what they all share, tried in turn
     re.compile(r"(?P<side>left|right)[_ .-]?(?P<core>.+)", re.IGNORECASE),
     re.compile(r"(?P<core>.+?)[_ .-]?(?P<side>left|right)", re.IGNORECASE),
+    re.compile(r"(?P<side>[左右])(?P<core>.+)"),
     re.compile(r"(?P<side>[LR])[_ .-](?P<core>.+)", re.IGNORECASE),
     re.compile(r"(?P<core>.+)[_ .-](?P<side>[LR])", re.IGNORECASE),
     re.compile(r"(?P<side>[lrLR])(?P<core>[A-Z].*)"),
+    re.compile(r"(?P<core>.*[a-z0-9])(?P<side>[LR])"),
     re.compile(r"(?P<side>[lr])(?P<core>clavicle|humerus|radius|hand|femur|tibia|foot|toes)"),
 )
-_TRUNK = {
-    "hips": "pelvis", "pelvis": "pelvis",
-    "neck": "neck", "neck1": "neck", "neck01": "neck", "lowerneck": "neck",
-    "head": "head", "face": "head", "head1": "head",
-}  # fmt: skip
-_SEGMENTS = {
-    "shoulder": "clavicle", "clavicle": "clavicle", "collar": "clavicle",
-    "upperarm": "shoulder", "uparm": "shoulder", "forearm": "elbow", "lowerarm": "elbow",
-    "hand": "wrist", "thigh": "hip", "upperleg": "hip", "upleg": "hip", "shin": "knee",
-    "calf": "knee", "lowerleg": "knee", "foot": "ankle", "toe": "toe", "toe0": "toe",
-    "toebase": "toe", "ball": "toe",
-}  # fmt: skip
-FAMILIES: Mapping[str, Mapping[str, str]] = {
-    # MotionBuilder, Mixamo, Rokoko, ACCAD, CMU in cgspeed's form
-    "motionbuilder": _TRUNK | {
-        "shoulder": "clavicle", "arm": "shoulder", "forearm": "elbow", "hand": "wrist",
-        "upleg": "hip", "leg": "knee", "foot": "ankle", "toebase": "toe", "forefoot": "toe",
-    },
-    # Acclaim: bones named by anatomists
-    "acclaim": _TRUNK | {
-        "root": "pelvis", "clavicle": "clavicle", "humerus": "shoulder", "radius": "elbow",
-        "hand": "wrist", "femur": "hip", "tibia": "knee", "foot": "ankle", "toes": "toe",
-    },
-    # DAZ and Poser: `hip` is the pelvis
-    "daz": _TRUNK | {
-        "hip": "pelvis", "collar": "clavicle", "shldr": "shoulder", "forearm": "elbow",
-        "hand": "wrist", "thigh": "hip", "shin": "knee", "foot": "ankle", "toe": "toe",
-    },
-    # Blender, 3ds Max Biped, Xsens, Unreal: limbs named by their segments
-    "segments": _TRUNK | _SEGMENTS,
-    # Biovision, 3ds Max, SMPL, DeepMimic: limbs named by their joints
-    "joints": _TRUNK | {
-        "collar": "clavicle", "shoulder": "shoulder", "elbow": "elbow", "wrist": "wrist",
-        "hip": "hip", "knee": "knee", "ankle": "ankle", "foot": "toe", "toe": "toe",
-        "toebase": "toe",
-    },
-}  # fmt: skip
+_LEFT = ("l", "L", "左")
+_MIDDLE = re.compile(r"^(C|M|Center|Mid)[_ .-]|[_ .-](C|M)$")
+_OF_MAKERS = re.compile(r"^(.*[:|]|mixamorig\d*_?|Bip\d+[_ ]|Character\d*_)")
+_PARTED = re.compile(r"[_ .-]")
+_SHARED = 0.8  # of all names: what so many begin or end with says nothing
+_FEW = 8  # names, of which many may begin alike by chance
+_MOST_PARTS = 4  # that all names share at one end
+_SIDES = {"l", "r", "left", "right"}
 
 
 def resolve_roles(
@@ -77,15 +100,17 @@ def resolve_roles(
 
     `rotations` (F, J, 4) tell which joint of the trunk moves.
     """
-    roles = max(
-        (_read_in_family(names, family) for family in FAMILIES.values()),
-        key=len,
-    )
+    read = [_side_and_core(name) for name in bare_names(names)]
+    roles = _read(read, TRUNK, sided=False)
+    for conventions in (ARMS, LEGS):
+        limbs = [_read(read, convention, sided=True) for convention in conventions.values()]
+        fullest: dict[str, int] = max(limbs, key=len)
+        roles |= fullest
     index = {name: joint for joint, name in reversed(list(enumerate(names)))}
     roles |= {role: index[name] for role, name in (given or {}).items()}
     if "head" not in roles and "neck" in roles and roles["neck"] not in parents:
         roles["head"] = roles["neck"]  # nothing above the neck: its rotation moves the head
-    trunk = _trunk(roles, parents, rotations)
+    trunk = trunk_roles(roles, parents, rotations)
     return roles | {role: joint for role, joint in trunk.items() if role not in (given or {})}
 
 
@@ -94,34 +119,59 @@ def missing_roles(roles: Mapping[str, int]) -> tuple[str, ...]:
     return tuple(role for role in ROLES if role not in roles)
 
 
-def _read_in_family(names: Sequence[str], family: Mapping[str, str]) -> dict[str, int]:
-    """Roles of the joints as one family would name them; the first of two claimants keeps it."""
+def bare_names(names: Sequence[str]) -> list[str]:
+    """Names without what most of them share at either end: a maker's, a character's, a suffix."""
+    bare = [_OF_MAKERS.sub("", name) or name for name in names]
+    if len(bare) < _FEW:
+        return bare
+    for pattern in (r"^([^_ .-]+[_ .-])", r"^([a-z])(?=[A-Z])", r"([_ .-][^_ .-]+)$"):
+        for _ in range(_MOST_PARTS):
+            if (shared := _shared(bare, re.compile(pattern))) is None:
+                break
+            cut = re.compile(rf"^{re.escape(shared)}|{re.escape(shared)}$")
+            bare = [cut.sub("", name, count=1) or name for name in bare]
+    return bare
+
+
+def _shared(names: Sequence[str], pattern: re.Pattern[str]) -> str | None:
+    """What most names have where the pattern looks, unless it is a side."""
+    found = Counter(match[1] for name in names if (match := pattern.search(name)))
+    for part, count in found.most_common(1):
+        if count >= _SHARED * len(names) and _PARTED.sub("", part).lower() not in _SIDES:
+            return part
+    return None
+
+
+def _read(
+    names: Sequence[tuple[str, str]], convention: Convention, *, sided: bool
+) -> dict[str, int]:
+    """Roles of joints (side, core) as a convention has them; the first of two claimants keeps it.
+
+    A digit behind a name, as in toe0, neck1 and upperleg01, counts the first of several.
+    """
     roles: dict[str, int] = {}
-    for joint, name in enumerate(names):
-        side, core = _side_and_core(name)
-        part = family.get(core)
-        if part is None or (part in LIMBS) != bool(side):
-            continue
-        roles.setdefault(f"{side}_{part}" if side else part, joint)
+    for joint, (side, core) in enumerate(names):
+        part = convention.get(core) or convention.get(re.sub(r"0*[01]?$", "", core))
+        if part is not None and sided == bool(side):
+            roles.setdefault(f"{side}_{part}" if side else part, joint)
     return roles
 
 
 @lru_cache(maxsize=4096)
 def _side_and_core(name: str) -> tuple[str, str]:
-    """("left", "upperarm") of "mixamorig:Left_UpperArm"; ("", core) for the trunk."""
-    bare = re.sub(r"^(.*[:|]|mixamorig\d*_?|Bip\d+[_ ]|Character\d*_)", "", name)
+    """("left", "upperarm") of "Left_UpperArm"; ("", core) for the trunk."""
     for pattern in _SIDED:
-        if match := pattern.fullmatch(bare):
-            side = "left" if match["side"].lower().startswith("l") else "right"
+        if match := pattern.fullmatch(name):
+            side = "left" if match["side"].startswith(_LEFT) else "right"
             return side, _plain(match["core"])
-    return "", _plain(bare)
+    return "", _plain(_MIDDLE.sub("", name))
 
 
 def _plain(core: str) -> str:
-    return re.sub(r"[ _.-]", "", core).lower()
+    return _PARTED.sub("", core).lower()
 
 
-def _trunk(roles: Mapping[str, int], parents: np.ndarray, rotations: Array) -> dict[str, int]:
+def trunk_roles(roles: Mapping[str, int], parents: np.ndarray, rotations: Array) -> dict[str, int]:
     """Pelvis, spine and chest as the hierarchy has them."""
     found: dict[str, int] = {}
     legs = _meeting(parents, roles, ("left_hip", "right_hip"))
@@ -133,7 +183,7 @@ def _trunk(roles: Mapping[str, int], parents: np.ndarray, rotations: Array) -> d
     if arms is not None and arms != legs:
         found["chest"] = arms
     pelvis = found.get("pelvis", roles.get("pelvis"))
-    above = _path(parents, found.get("chest", roles.get("neck", roles.get("head", -1))))
+    above = chain_to(parents, found.get("chest", roles.get("neck", roles.get("head", -1))))
     if pelvis is not None and pelvis in above:
         trunk = above[above.index(pelvis) + 1 :]
         moving = [joint for joint in trunk if np.ptp(rotations[:, joint], axis=0).max() > 1e-6]
@@ -146,12 +196,13 @@ def _meeting(parents: np.ndarray, roles: Mapping[str, int], pair: tuple[str, str
     """The nearest joint above both, or None where one of them is missing."""
     if not all(role in roles for role in pair):
         return None
-    left, right = (_path(parents, roles[role])[:-1] for role in pair)
+    left, right = (chain_to(parents, roles[role])[:-1] for role in pair)
     common = [joint for joint in left if joint in right]
     return common[-1] if common else None
 
 
-def _path(parents: np.ndarray, joint: int) -> list[int]:
+def chain_to(parents: np.ndarray, joint: int) -> list[int]:
+    """Joints from the root to a joint, both included; none for −1."""
     path: list[int] = []
     while joint >= 0:
         path.append(int(joint))

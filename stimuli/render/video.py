@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stimuli.errors import InputError
-from stimuli.files import mode_of_files
+from stimuli.files import permitted
 
 Pictures = NDArray[np.uint8]
 
@@ -34,9 +34,9 @@ def write_video(path: Path, frames: Iterable[Pictures], fps: float) -> int:
     beside = Path(name)
     try:
         count = _encode(beside, frames, fps)
-        with beside.open("rb") as written:
+        with beside.open("r+b") as written:
             os.fsync(written.fileno())
-        beside.chmod(mode_of_files())
+        beside.chmod(permitted())
         beside.replace(path)
     except BaseException:
         beside.unlink(missing_ok=True)

@@ -134,12 +134,13 @@ def _built(
             render_all(list(jobs.values()), workers, done)
         finally:
             _tidy(out)
-    document = _document(spec, groups, out)
-    text = json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    text = json.dumps(_document(spec, groups, out), indent=1, ensure_ascii=False, allow_nan=False)
+    text += "\n"
     path = out / MANIFEST
     if not path.exists() or path.read_text(encoding="utf-8") != text:
         write_atomic(path, text)
-    return replace(from_document(out, document), rendered=len(jobs))
+    # What a later `load_manifest` gives: tuples and lists are one thing on the disk.
+    return replace(from_document(out, json.loads(text)), rendered=len(jobs))
 
 
 def _tidy(out: Path) -> None:

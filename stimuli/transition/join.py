@@ -1,7 +1,9 @@
 """What is to be joined, and two plain ways of joining: the cut and the linear blend."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
+from types import MappingProxyType
+from typing import Any, NamedTuple
 
 from stimuli.errors import InputError
 from stimuli.motion.skeleton import Motion
@@ -14,12 +16,14 @@ from stimuli.transition.window import Fits, Window, longest_fitting, specified
 class Joined(NamedTuple):
     """What a way of joining makes: the motion, and its first and last frame that are mixed.
 
-    `played` are A and B where they were joined at another pace than captured.
+    `played` are A and B where they were joined at another pace than captured; `report` says what
+    the way of joining settled by itself.
     """
 
     motion: Motion
     mixed: tuple[int, int]
     played: tuple[Motion, Motion] | None = None
+    report: Mapping[str, Any] = MappingProxyType({})
 
 
 @dataclass(frozen=True, eq=False)

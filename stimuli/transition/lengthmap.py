@@ -88,9 +88,9 @@ def _compiled() -> Callable[..., Any]:
     """The same loop on all cores, strip by strip of a row, compiled on the first call."""
     import numba
 
-    numba.config.THREADING_LAYER = "forksafe"  # type: ignore[attr-defined]
+    from stimuli.compiled import compiled
 
-    @numba.njit(parallel=True, cache=True, error_model="numpy")
+    @compiled(parallel=True, error_model="numpy")
     def fill(sums: Array, pieces: np.ndarray, tie: float, frames: np.ndarray, least: Array) -> None:
         height, width = frames.shape
         for i in numba.prange(height):

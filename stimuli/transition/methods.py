@@ -9,6 +9,7 @@ from typing import Any
 from stimuli.errors import InputError
 from stimuli.motion.skeleton import Motion
 from stimuli.transition.align import on_skeleton
+from stimuli.transition.decay import decay_quintic, decay_spring
 from stimuli.transition.distance import check_pair
 from stimuli.transition.footlock import lock_feet
 from stimuli.transition.join import Join, Joined, join_cut, join_linear
@@ -23,8 +24,6 @@ from stimuli.transition.length import (
 )
 from stimuli.transition.schedule import given_per_joint, join_per_joint, length_per_joint
 from stimuli.transition.switch import (
-    decay_quintic,
-    decay_spring,
     join_dead,
     join_inertialized,
     room_to_decay,
@@ -123,7 +122,7 @@ def transition(
     else:
         length = way.given(a, b, i, j, specification, frames)
     join = Join(a, on_skeleton(b, a.skeleton), i, j, specification, length, smooth)
-    motion, mixed, warped = way.blend(join)
+    motion, mixed, warped, settled = way.blend(join)
     played = warped or (a, b)
     if foot_lock and length.frames:
         motion = lock_feet(motion, *played, _mixing(join, motion, mixed, len(played[1])))
@@ -135,7 +134,7 @@ def transition(
         j,
         length.frames,
         mixed,
-        MappingProxyType(dict(length.report)),
+        MappingProxyType(dict(length.report) | dict(settled)),
         (a, b),
         played,
     )

@@ -1,12 +1,13 @@
 """Two modern rivals that switch from one motion to the other at once and hide the switch.
 
-Inertialization (Bollo 2018): from the switch on B alone is played, with the displacement from A and
-its rate at the switch decaying on top. Dead blending (Holden 2023): each motion is used on its own
-side of the switch, is extrapolated beyond it at its last velocity, and the two are cross-faded.
+Inertialization (Bollo 2018): from the switch on B alone is played, with what A differs from it at
+the switch decaying on top. Dead blending (Holden 2023): each motion is used on its own side of the
+switch, is extrapolated beyond it at its last velocity, and the two are cross-faded.
 The switch is frame i (start-end), where the blend begins, or the instant (center-aligned).
 """
 
 from collections.abc import Callable
+from types import MappingProxyType
 
 import numpy as np
 
@@ -14,32 +15,14 @@ from stimuli.motion import quaternions as quat
 from stimuli.motion.quaternions import Array
 from stimuli.motion.skeleton import Motion
 from stimuli.transition.blend import interpolated_poses, smoothstep, spliced
+from stimuli.transition.decay import Decay, Offsets, clamped, report
 from stimuli.transition.join import Join, Joined
+from stimuli.transition.knees import BACKWARDS, has_legs, knee_sines, usual_hinges
+from stimuli.transition.plants import SIDES
 from stimuli.transition.window import Window
 
 HALF_LIFE = 3.0  # frames in which an extrapolated joint loses half its velocity
-_SETTLED = 9.233  # (1 + x) exp(−x) is 0.001 there: a spring is at rest for the eye
-
-Decay = Callable[[Array, Array, int], Array]
-
-
-def decay_quintic(value: Array, rate: Array, frames: int) -> Array:
-    """Offsets (frames, ...) from `value` at `rate` a frame to rest at `frames`, smooth at the end.
-
-    The quintic with that start and no acceleration there, and with no value, speed or acceleration
-    at the end.
-    """
-    s = _steps(value, frames) / frames
-    falls = 1 - s**3 * (10 - 15 * s + 6 * s * s)
-    drifts = s - s**3 * (6 - 8 * s + 3 * s * s)
-    return np.asarray(falls * value + drifts * frames * rate)
-
-
-def decay_spring(value: Array, rate: Array, frames: int) -> Array:
-    """The same by a critically damped spring that is down to a thousandth after `frames`."""
-    pull = _SETTLED / frames
-    t = _steps(value, frames)
-    return np.asarray((value + (rate + pull * value) * t) * np.exp(-pull * t))
+_SAFE = 0.8  # of the sine at which a knee is seen to bend backwards: as far as one may go
 
 
 def room_to_decay(window: Window, a: Motion, b: Motion) -> bool:
@@ -56,24 +39,32 @@ def room_to_extrapolate(window: Window, a: Motion, b: Motion) -> bool:
 
 
 def join_inertialized(decay: Decay) -> Callable[[Join], Joined]:
-    """The way of joining by inertialization with a decay."""
+    """The way of joining by inertialization with a decay.
+
+    Each joint's offset is an angle about one axis, and decays as such; so does the root's height.
+    A knee's decays sooner where it would be bent backwards on B. Over the floor, where alignment
+    leaves no offset, the root keeps A's speed, which decays on a quintic.
+    """
 
     def join_with(join: Join) -> Joined:
         window = join.fitting_window(room_to_decay)
         a, b = join.a, join.brought(window)
-        here, there = join.i, join.i + window.lag
-        turn, place = _displacement(a, b, here, there)
-        turn_rate, place_rate = np.zeros_like(turn), np.zeros_like(place)
-        if here > 0 and there > 0:
-            before = _displacement(a, b, here - 1, there - 1)
-            turn_rate, place_rate = turn - before[0], place - before[1]
-        frames = window.frames
+        here, there, frames = join.i, join.i + window.lag, window.frames
         rows = slice(there, there + frames)
-        offset = quat.exp(decay(turn, turn_rate, frames))
-        rotations = quat.multiply(b.rotations[rows], offset)
-        root = b.root[rows] + decay(place, place_rate, frames)
-        motion = spliced(a, b, here, there + frames, rotations, root)
-        return Joined(motion, (here, here + frames - 1))
+        axes, offsets = _angles(a, b, here, there, frames)
+        rise, height = _rise(a, b, here, there, frames)
+
+        def turned(found: Offsets) -> Array:
+            angles = decay(found.sizes, found.speeds, found.lengths, frames)
+            return quat.multiply(b.rotations[rows], quat.exp(angles[..., None] * axes))
+
+        played = np.concatenate([a.rotations[here : here + 1], b.rotations[rows]])
+        offsets, righted = _righted(join, played, turned, offsets)
+        root = b.root[rows] + _drift(a, b, here, there, frames)
+        root[:, 1] += rise * decay(height.sizes, height.speeds, height.lengths, frames)[:, 0]
+        motion = spliced(a, b, here, there + frames, turned(offsets), root)
+        used = dict(report(decay, offsets, frames)) | {"knees_righted": righted}
+        return Joined(motion, (here, here + frames - 1), report=MappingProxyType(used))
 
     return join_with
 
@@ -99,10 +90,72 @@ def join_dead(join: Join) -> Joined:
     return Joined(motion, (window.first, window.last))
 
 
-def _displacement(a: Motion, b: Motion, here: int, there: int) -> tuple[Array, Array]:
-    """How a frame of A lies from one of B: log(q_B⁻¹ q_A) of every joint, and the root's shift."""
-    apart = quat.multiply(quat.inverse(b.rotations[there]), a.rotations[here])
-    return quat.log(quat.shorter(apart)), a.root[here] - b.root[there]
+def _angles(a: Motion, b: Motion, here: int, there: int, frames: int) -> tuple[Array, Offsets]:
+    """The axes (J, 3) about which A's joints are turned from B's at the switch; half the angles.
+
+    The speed is how that turn about the same axis has changed since the frame before.
+    """
+    apart = quat.log(_apart(a, b, here, there))
+    sizes = quat.norm(apart)
+    axes = apart / np.where(sizes > 0, sizes, 1.0)[:, None]
+    speeds = np.zeros_like(sizes)
+    if here > 0 and there > 0:
+        before = _apart(a, b, here - 1, there - 1)
+        speeds = sizes - np.arctan2(np.vecdot(before[:, 1:], axes), before[:, 0])
+    return axes, clamped(sizes, speeds, frames)
+
+
+def _apart(a: Motion, b: Motion, here: int, there: int) -> Array:
+    """How A's joints are turned (J, 4) from those of B, on the shorter arc."""
+    return quat.shorter(quat.multiply(quat.inverse(b.rotations[there]), a.rotations[here]))
+
+
+def _rise(a: Motion, b: Motion, here: int, there: int, frames: int) -> tuple[float, Offsets]:
+    """Whether A's root is higher than B's (1) or lower (−1), and by how much."""
+    apart = float(a.root[here, 1] - b.root[there, 1])
+    side = 1.0 if apart >= 0 else -1.0
+    before = apart
+    if here > 0 and there > 0:
+        before = float(a.root[here - 1, 1] - b.root[there - 1, 1])
+    return side, clamped(np.array([side * apart]), np.array([side * (apart - before)]), frames)
+
+
+def _drift(a: Motion, b: Motion, here: int, there: int, frames: int) -> Array:
+    """How far (F, 3) over the floor the root is from B's, which it joins without a jerk."""
+    apart = a.root[here] - b.root[there]
+    rate = np.zeros(3)
+    if here > 0 and there > 0:
+        rate = apart - (a.root[here - 1] - b.root[there - 1])
+    s = (np.arange(frames) / frames)[:, None]
+    falls = 1 - s**3 * (10 - 15 * s + 6 * s * s)
+    drifts = s - s**3 * (6 - 8 * s + 3 * s * s)
+    over_floor = np.array([1.0, 0.0, 1.0])
+    return np.asarray(over_floor * (falls * apart + drifts * frames * rate))
+
+
+def _righted(
+    join: Join, played: Array, turned: Callable[[Offsets], Array], offsets: Offsets
+) -> tuple[Offsets, int]:
+    """Offsets of which a knee's decays as soon as it must for the knee not to bend backwards.
+
+    And how many knees that concerns. A knee may bend back as far as it does in what is `played`
+    (F, J, 4): A's frame of the switch and B's from there on.
+    """
+    skeleton = join.a.skeleton
+    if not has_legs(skeleton):
+        return offsets, 0
+    hinges = usual_hinges((join.a, join.b))
+    least = np.minimum(_SAFE * BACKWARDS, knee_sines(skeleton, played, hinges).min(axis=0))
+    bent = knee_sines(skeleton, turned(offsets), hinges).min(axis=0) < least
+    knees = skeleton.role(*(f"{side}_knee" for side in SIDES))
+    for side in np.flatnonzero(bent):
+        for length in range(int(np.ceil(offsets.lengths[knees[side]])) - 1, 0, -1):
+            lengths = offsets.lengths.copy()
+            lengths[knees[side]] = length
+            offsets = Offsets(offsets.sizes, offsets.speeds, lengths, offsets.leading_away)
+            if knee_sines(skeleton, turned(offsets), hinges)[:, side].min() >= least[side]:
+                break
+    return offsets, int(bent.sum())
 
 
 def _beyond(motion: Motion, frame: int, steps: np.ndarray) -> tuple[Array, Array]:
@@ -120,8 +173,3 @@ def _beyond(motion: Motion, frame: int, steps: np.ndarray) -> tuple[Array, Array
     rotations = quat.multiply(motion.rotations[frame], quat.exp(reach[:, None, None] * turn))
     far = np.stack([away, reach, away], axis=-1)
     return rotations, motion.root[frame] + far * drift
-
-
-def _steps(value: Array, frames: int) -> Array:
-    """0 … frames − 1, shaped to broadcast over `value`."""
-    return np.arange(frames, dtype=float).reshape(-1, *([1] * value.ndim))

@@ -16,6 +16,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="clips or directories (default: the motion directories); "
         "`fetch` alone brings the sample motions into your library",
     )
+    parser.add_argument(
+        "--roles",
+        type=Path,
+        metavar="FILE",
+        help="print which joint of a clip plays which anatomical part, as overrides to start from",
+    )
     parser.add_argument("--json", action="store_true", help="print one JSON document")
     parser.add_argument(
         "--overrides",
@@ -31,6 +37,8 @@ def run(args: argparse.Namespace) -> int:
     """2 when a file named on the command line, or every file found, was refused."""
     if [str(path) for path in args.paths] == ["fetch"]:
         return _fetch(args)
+    if args.roles is not None:
+        return _print_roles(args)
     rows = [_row(path, args.overrides) for path in _paths(args)]
     refused = [row for row in rows if "error" in row]
     if args.json:
@@ -56,6 +64,20 @@ def _fetch(args: argparse.Namespace) -> int:
         print_json([str(path) for path in paths])
     else:
         print(f"{len(paths)} clips in {paths[0].parent}")
+    return 0
+
+
+def _print_roles(args: argparse.Namespace) -> int:
+    from stimuli.errors import InputError
+    from stimuli.motion import load
+    from stimuli.motion.listing import roles_as_overrides
+
+    if args.paths:
+        raise InputError(
+            f"--roles: expected one FILE, found another argument, {args.paths[0]}.\n"
+            "Name the clip after --roles."
+        )
+    print(roles_as_overrides(load(args.roles, overrides=args.overrides)), end="")
     return 0
 
 

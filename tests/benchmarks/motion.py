@@ -11,6 +11,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import tracemalloc
 import warnings
 from collections.abc import Callable
 from pathlib import Path
@@ -33,6 +34,7 @@ from tests.benchmarks.rows import row
 
 RUNS = 15
 FRAMES, JOINTS = 524, 31
+DIGITS = {"few digits": ".4f", "many digits": ".17g"}
 ALL_PAIRS = 2000
 LIBRARY = 20_000
 
@@ -86,29 +88,62 @@ def _body(frames: int, joints: int = JOINTS) -> Motion:
 
 
 def _reading() -> list[dict[str, Any]]:
-    """A file of 524 frames and 31 joints, with as many digits as exporters write."""
+    """Files of short clips and of long ones, with few digits and with all that a double has."""
     import bvhio
-    import pybvh
 
+    rows = []
     with tempfile.TemporaryDirectory() as directory:
-        path = Path(directory) / "long.bvh"
-        write_bvh(_body(FRAMES), path)
-        head, _, numbers = path.read_text().partition("Frame Time")
-        first, *table = numbers.splitlines()
-        short = [" ".join(f"{float(word):.4f}" for word in line.split()) for line in table]
-        path.write_text("\n".join([head + "Frame Time" + first, *short]) + "\n")
-        name = f"read BVH, {FRAMES} frames × {JOINTS} joints"
+        for frames in (FRAMES, LIBRARY):
+            for digits, form in DIGITS.items():
+                path = _written(Path(directory), frames, form)
+                rows += _read(
+                    path, f"read BVH, {frames} frames × {JOINTS} joints, {digits}", frames
+                )
+        path = _written(Path(directory), FRAMES, DIGITS["few digits"])
         ours = _median(lambda: read_bvh(path, path.read_bytes()))
         whole = _median(lambda: load(path, up="Y", scale=1.0))
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            theirs = _median(lambda: pybvh.read_bvh_file(str(path)))
-            slower = _median(lambda: bvhio.readAsBvh(str(path)), 5)
+        slower = _median(lambda: bvhio.readAsBvh(str(path)), 5)
+        theirs = _by_pybvh(path, RUNS)
+        name = f"read BVH, {FRAMES} frames × {JOINTS} joints, few digits"
+        rows += [
+            _row(name, ours, "bvhio", slower),
+            _row(f"{name}, to a clip", whole, "pybvh (reads only)", theirs),
+        ]
+    return rows
+
+
+def _written(directory: Path, frames: int, form: str) -> Path:
+    """A file whose numbers are written in a form."""
+    path = directory / "long.bvh"
+    write_bvh(_body(frames), path)
+    head, _, numbers = path.read_text().partition("Frame Time")
+    first, *table = numbers.splitlines()
+    rows = [" ".join(format(float(word) / 3, form) for word in line.split()) for line in table]
+    path.write_text("\n".join([head + "Frame Time" + first, *rows]) + "\n")
+    return path
+
+
+def _read(path: Path, name: str, frames: int) -> list[dict[str, Any]]:
+    """Milliseconds and the peak of memory beside pybvh and three times the file."""
+    runs = RUNS if frames < LIBRARY else 5
+    ours = _median(lambda: read_bvh(path, path.read_bytes()), runs)
+    tracemalloc.start()
+    read_bvh(path, path.read_bytes())
+    peak = tracemalloc.get_traced_memory()[1] / 1e6
+    tracemalloc.stop()
+    size = path.stat().st_size / 1e6
     return [
-        _row(name, ours, "pybvh", theirs, target=8.0),
-        _row(name, ours, "bvhio", slower),
-        _row("the same to a clip at 30 a second", whole, "pybvh (reads only)", theirs),
+        _row(name, ours, "pybvh", _by_pybvh(path, runs), faster=1.0),
+        _row(f"{name}: memory", peak, "the file", size, target=3 * size, unit="MB"),
     ]
+
+
+def _by_pybvh(path: Path, runs: int) -> float:
+    import pybvh
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return _median(lambda: pybvh.read_bvh_file(str(path)), runs)
 
 
 def _kinematics() -> list[dict[str, Any]]:
@@ -119,7 +154,8 @@ def _kinematics() -> list[dict[str, Any]]:
     ours = _median(lambda: forward(skeleton, motion.rotations, motion.root))
     parents = np.maximum(skeleton.parents, 0)
     theirs = _median(lambda: rival.fk(motion.rotations, motion.root, skeleton.offsets, parents))
-    return [_row("forward kinematics, 2000 frames × 31 joints", ours, "upc-pymotion", theirs)]
+    name = "forward kinematics, 2000 frames × 31 joints"
+    return [_row(name, ours, "upc-pymotion", theirs, faster=4.0)]
 
 
 def _rotations() -> tuple[Array, Array, Array]:

@@ -3,9 +3,11 @@
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from stimuli.motion.formats.acclaim import read_acclaim, refuse_asf, refuse_c3d
+from stimuli.motion.formats.acclaim import read_acclaim, refuse_asf
+from stimuli.motion.formats.amass import read_amass
 from stimuli.motion.formats.bvh import read_bvh
 from stimuli.motion.formats.deepmimic import read_deepmimic
+from stimuli.motion.formats.refused import refuse
 from stimuli.motion.formats.source import Source
 
 Reader = Callable[[Path, bytes, float | None], Source]
@@ -14,7 +16,8 @@ READERS: Mapping[str, Reader] = {
     ".bvh": read_bvh,
     ".amc": read_acclaim,
     ".asf": refuse_asf,
-    ".c3d": refuse_c3d,
+    ".c3d": refuse,
+    ".npz": read_amass,
     ".json": read_deepmimic,
     ".txt": read_deepmimic,
 }

@@ -12,13 +12,13 @@ import numpy as np
 from stimuli.motion import quaternions as quat
 from stimuli.motion.formats.acclaim_poses import read_poses
 from stimuli.motion.formats.acclaim_skeleton import Bone, read_asf
+from stimuli.motion.formats.rates import rounded_rate
 from stimuli.motion.formats.source import (
     Source,
     check_size,
     contents,
     decode,
     fault,
-    rounded_rate,
 )
 from stimuli.motion.quaternions import Array
 
@@ -68,16 +68,6 @@ def read_acclaim(path: Path, data: bytes, fps: float | None = None) -> Source:
 def refuse_asf(path: Path, data: bytes, fps: float | None = None) -> Source:
     """An ASF holds no motion."""
     raise fault(path, "a motion", "an Acclaim skeleton", "Name the .amc file; this one lies by it.")
-
-
-def refuse_c3d(path: Path, data: bytes, fps: float | None = None) -> Source:
-    """A C3D holds markers, from which a skeleton must be solved first."""
-    raise fault(
-        path,
-        "joint rotations of a skeleton",
-        "C3D, which holds positions of markers and no skeleton",
-        "Solve it onto a skeleton (MotionBuilder, Vicon, Motive or Blender) and export BVH.",
-    )
 
 
 def _skeleton_beside(path: Path) -> Path:

@@ -7,6 +7,7 @@ table. What is in the way of that is read line by line, which also names whateve
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,7 @@ from stimuli.motion.formats.words import IN_BOUNDS, decimals, whole
 from stimuli.motion.quaternions import Array
 
 _FIRST_FRAME = re.compile(r"^([0-9]+)[ \t]*\r?$", re.MULTILINE)
+_FIRST_WORD = re.compile(r"^[ \t]*([A-Za-z_]\S*)", re.MULTILINE)
 _LINE = re.compile(r"[^\n]+")
 _NEWLINE, _SPACE = np.frombuffer(b"\n ", dtype=np.uint8)
 _UNITS = {":DEGREES": True, ":RADIANS": False}
@@ -34,9 +36,25 @@ class Poses:
 
 def read_poses(path: Path, text: str, skeleton: AcclaimSkeleton) -> Poses:
     """All poses; every frame must name the same bones, frames must count on by one."""
-    widths = {bone.name: len(bone.freedoms) for bone in skeleton.bones}
+    text, widths = _spelled(text, skeleton), widths_of(skeleton)
     poses = _as_table(path, text, widths, skeleton.degrees)
     return poses or _line_by_line(path, text, widths, skeleton.degrees)
+
+
+def widths_of(skeleton: AcclaimSkeleton) -> dict[str, int]:
+    """How many numbers each bone has in a frame."""
+    return {bone.name: len(bone.freedoms) for bone in skeleton.bones}
+
+
+def _spelled(text: str, skeleton: AcclaimSkeleton) -> str:
+    """The text with its bones spelled as the skeleton has them, going by its first frame."""
+    names = {bone.name for bone in skeleton.bones}
+    frames = [frame.start() for frame in islice(_FIRST_FRAME.finditer(text), 2)]
+    for word in dict.fromkeys(_FIRST_WORD.findall(text, 0, *frames[1:])):
+        bone = None if word in names else skeleton.bone(word)
+        if bone is not None:
+            text = re.sub(rf"^(\s*){re.escape(word)}(?=\s)", rf"\g<1>{bone.name}", text, flags=re.M)
+    return text
 
 
 def _as_table(path: Path, text: str, widths: Mapping[str, int], degrees: bool) -> Poses | None:
@@ -54,7 +72,7 @@ def _as_table(path: Path, text: str, widths: Mapping[str, int], degrees: bool) -
     if not layout or numbers is None:
         return None
     try:
-        table = parse_numbers(path, numbers, 0)
+        table = parse_numbers(path, numbers)
     except InputError:
         return None
     columns = np.cumsum([1, *layout.values()])
@@ -75,7 +93,7 @@ def _layout(text: str, start: int, widths: Mapping[str, int]) -> dict[str, int] 
     return layout
 
 
-def _blanked(text: str, start: int, first: int, layout: Mapping[str, int]) -> str | None:
+def _blanked(text: str, start: int, first: int, layout: Mapping[str, int]) -> bytes | None:
     """The frames from `start` on with blanks for the bones' names; None when not as laid out.
 
     What is left are numbers: for each frame its own and, line by line, as many as there should be.
@@ -104,15 +122,15 @@ def _blanked(text: str, start: int, first: int, layout: Mapping[str, int]) -> st
     lines = np.repeat(np.arange(len(ends)), counts)
     if len(words) != len(lines) or np.any((words < starts[lines]) | (words > ends[lines])):
         return None
-    return data.decode("ascii")
+    return bytes(data)
 
 
 def _line_by_line(path: Path, text: str, widths: Mapping[str, int], degrees: bool) -> Poses:
     rows: dict[str, list[list[float]]] = {}
     frame, frames = None, 0
     for number, raw in enumerate(text.split("\n"), start=1):
-        words = raw.split()
-        if not words or words[0].startswith("#"):
+        words = raw.split("#")[0].split()
+        if not words:
             continue
         if words[0].startswith(":"):
             degrees = _UNITS.get(words[0].upper(), degrees)

@@ -11,6 +11,8 @@ from stimuli.motion.formats.words import IN_BOUNDS, decimals
 from stimuli.motion.quaternions import Array
 
 REMEDY = "The file is damaged; take it from its source again."
+_ONCE = {"name", "direction", "length", "axis", "dof", "order", "position", "orientation"}
+_Entries = dict[str, tuple[int, list[str]]]  # by keyword: line and words
 _FREEDOMS = {"rx", "ry", "rz", "tx", "ty", "tz", "l"}
 
 
@@ -39,6 +41,14 @@ class AcclaimSkeleton:
         """(J, 3) from a bone's upper end to the upper end of the bone it hangs on."""
         return np.array([np.zeros(3) if p < 0 else self.bones[p].vector for p in self.parents])
 
+    def bone(self, word: str) -> Bone | None:
+        """The bone that a word means: of that name, or of that name in other letters."""
+        for same in (str, str.lower):
+            for bone in self.bones:
+                if same(bone.name) == same(word):
+                    return bone
+        return None
+
     @property
     def leaves(self) -> list[int]:
         """Bones on which no other hangs."""
@@ -59,7 +69,7 @@ def read_asf(path: Path, text: str) -> AcclaimSkeleton:
     for needed in ("root", "bonedata", "hierarchy"):
         if needed not in lines.sections:
             raise fault(path, f"a section :{needed}", "none", REMEDY)
-    units = {words[0]: words[1:] for _, words in lines.sections.get("units", [])}
+    units = {words[0].lower(): words[1:] for _, words in lines.sections.get("units", [])}
     degrees = not (units.get("angle") or ["deg"])[0].lower().startswith("rad")
     unit = np.pi / 180 if degrees else 1.0
     root, position = _root(lines, unit)
@@ -97,9 +107,11 @@ def _numbers(path: Path, words: list[str], count: int, line: int) -> Array:
 
 def _root(lines: _Lines, unit: float) -> tuple[Bone, Array]:
     """The root as a bone of no length, and its position in rest."""
-    entries = {words[0].lower(): (number, words[1:]) for number, words in lines.sections["root"]}
+    entries: _Entries = {}
+    for number, words in lines.sections["root"]:
+        _enter(lines.path, entries, number, words)
     freedoms = tuple(word.lower() for word in entries.get("order", (0, []))[1])
-    if not set(freedoms) <= _FREEDOMS or not freedoms:
+    if not _are_freedoms(freedoms) or not freedoms:
         line = entries.get("order", (None, []))[0]
         raise fault(lines.path, "an order such as TX TY TZ RX RY RZ", "another", REMEDY, line)
     order = _order(lines.path, *entries.get("axis", (0, ["XYZ"])))
@@ -122,9 +134,21 @@ def _axis(angles: Array, order: str) -> Array:
     return quat.from_euler(angles[::-1], order[::-1])
 
 
-def _blocks(lines: _Lines) -> list[tuple[int, dict[str, tuple[int, list[str]]]]]:
+def _enter(path: Path, entries: _Entries, line: int, words: list[str]) -> None:
+    """Adds a line to the entries of a bone; InputError when what it says has been said."""
+    keyword = words[0].lower()
+    if keyword in _ONCE and keyword in entries:
+        raise fault(path, f"one {keyword} of a bone", "a second", "Keep the right one.", line)
+    entries.setdefault(keyword, (line, words[1:]))
+
+
+def _are_freedoms(words: tuple[str, ...]) -> bool:
+    return set(words) <= _FREEDOMS and len(set(words)) == len(words)
+
+
+def _blocks(lines: _Lines) -> list[tuple[int, _Entries]]:
     """The bones' entries between begin and end, with the line of each begin."""
-    blocks: list[tuple[int, dict[str, tuple[int, list[str]]]]] = []
+    blocks: list[tuple[int, _Entries]] = []
     inside = False
     for number, words in lines.sections["bonedata"]:
         keyword = words[0].lower()
@@ -135,24 +159,33 @@ def _blocks(lines: _Lines) -> list[tuple[int, dict[str, tuple[int, list[str]]]]]
             if inside:
                 blocks.append((number, {}))
         elif inside:
-            blocks[-1][1].setdefault(keyword, (number, words[1:]))
+            _enter(lines.path, blocks[-1][1], number, words)
         else:
             raise fault(lines.path, "begin", shown(" ".join(words)), REMEDY, number)
     return blocks
 
 
-def _bone(path: Path, entries: dict[str, tuple[int, list[str]]], start: int, unit: float) -> Bone:
+def _bone(path: Path, entries: _Entries, start: int, unit: float) -> Bone:
     for needed in ("name", "direction", "length", "axis"):
         if needed not in entries or not entries[needed][1]:
             raise fault(path, f"a bone with a {needed}", "none", REMEDY, start)
     direction = _numbers(path, entries["direction"][1], 3, entries["direction"][0])
     norm = float(np.linalg.norm(direction))
     length = float(_numbers(path, entries["length"][1], 1, entries["length"][0])[0])
+    if length and not norm:
+        line, todo = entries["direction"][0], "Mend it."
+        raise fault(path, "a direction of a bone that has a length", "0 0 0", todo, line)
     line, words = entries["axis"]
     order = _order(path, line, words)
     freedoms = tuple(word.lower() for word in entries.get("dof", (0, []))[1])
-    if not set(freedoms) <= _FREEDOMS:
-        raise fault(path, "freedoms rx ry rz", shown(" ".join(freedoms)), REMEDY, entries["dof"][0])
+    if not _are_freedoms(freedoms):
+        raise fault(
+            path,
+            "freedoms rx ry rz, each once",
+            shown(" ".join(freedoms)),
+            REMEDY,
+            entries["dof"][0],
+        )
     return Bone(
         name=entries["name"][1][0],
         vector=direction / norm * length if norm else np.zeros(3),
@@ -164,19 +197,21 @@ def _bone(path: Path, entries: dict[str, tuple[int, list[str]]], start: int, uni
 
 def _ordered(lines: _Lines, bones: dict[str, Bone]) -> tuple[list[str], list[int]]:
     """Names with parents first, in the order of the hierarchy, and the parents' places."""
+    spelled = {name.lower(): name for name in bones} | {name: name for name in bones}
     children: dict[str, list[str]] = {}
     parent_of: dict[str, str] = {}
     for number, words in lines.sections["hierarchy"]:
         if words[0].lower() in ("begin", "end"):
             continue
-        for name in words:
-            if name not in bones:
-                raise fault(lines.path, "a bone of :bonedata", shown(name), REMEDY, number)
-        for name in words[1:]:
+        names = [spelled.get(word, spelled.get(word.lower(), "")) for word in words]
+        if "" in names:
+            word = words[names.index("")]
+            raise fault(lines.path, "a bone of :bonedata", shown(word), REMEDY, number)
+        for name in names[1:]:
             if name in parent_of or name == "root":
                 raise fault(lines.path, f"one parent for {name}", "two", REMEDY, number)
-            parent_of[name] = words[0]
-        children.setdefault(words[0], []).extend(words[1:])
+            parent_of[name] = names[0]
+        children.setdefault(names[0], []).extend(names[1:])
     order, parents, waiting = [], [], [("root", -1)]
     while waiting:
         name, parent = waiting.pop()

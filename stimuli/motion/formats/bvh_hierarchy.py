@@ -1,4 +1,7 @@
-"""Reading the hierarchy of a BVH: statement by statement, without recursion, within bounds."""
+"""Reading the hierarchy of a BVH, word by word: line ends mean nothing, but faults know their line.
+
+A name may hold blanks: it goes on to the brace, or to the end of its line.
+"""
 
 import re
 from dataclasses import dataclass, field
@@ -6,12 +9,16 @@ from pathlib import Path
 
 import numpy as np
 
-from stimuli.motion.formats.source import MOST_JOINTS, fault, shown
+from stimuli.motion.formats.source import LINE_END, MOST_JOINTS, fault, shown
 from stimuli.motion.formats.words import IN_BOUNDS, decimals
 from stimuli.motion.quaternions import Array
 
 AXES = "XYZ"
 _CHANNEL = re.compile(r"([XYZ])(position|rotation)", re.IGNORECASE)
+_WORD = re.compile(rf"(?P<brace>[{{}}])|(?P<end>{LINE_END})|[^\s{{}}]+")
+_END_SITES = {"ENDSITE", "END_SITE", "END-SITE"}
+_KEYWORDS = {"{", "}", "ROOT", "JOINT", "END", "OFFSET", "CHANNELS", "HIERARCHY", *_END_SITES}
+_MEND = "Check the braces above this line, or export the file again."
 
 
 @dataclass
@@ -21,43 +28,65 @@ class Hierarchy:
     path: Path
     names: list[str] = field(default_factory=list)
     parents: list[int] = field(default_factory=list)
-    offsets: list[Array] = field(default_factory=list)
-    channels: list[list[tuple[str, int]]] = field(default_factory=list)
+    offsets: list[Array | None] = field(default_factory=list)
+    channels: list[list[tuple[str, int]] | None] = field(default_factory=list)
     end_parents: list[int] = field(default_factory=list)
-    end_offsets: list[Array] = field(default_factory=list)
+    end_offsets: list[Array | None] = field(default_factory=list)
+
+
+@dataclass
+class _Words:
+    """Words with their lines, and the one that is next."""
+
+    words: list[str]
+    lines: list[int]
+    at: int = 0
+
+    @property
+    def next(self) -> str:
+        """The word that is next, or nothing at the end."""
+        return self.words[self.at] if self.at < len(self.words) else ""
+
+    @property
+    def line(self) -> int:
+        """The line of the word that is next, or of the last."""
+        return self.lines[min(self.at, len(self.lines) - 1)] if self.lines else 1
+
+    def name(self) -> str:
+        """Words up to the next brace, as far as they stand in one line."""
+        first = self.at
+        while self.next not in ("", "{", "}") and self.line == self.lines[first]:
+            self.at += 1
+        return " ".join(self.words[first : self.at])
+
+    def values(self) -> list[str]:
+        """Words up to the next keyword or brace."""
+        first = self.at
+        while self.next and self.next.upper() not in _KEYWORDS:
+            self.at += 1
+        return self.words[first : self.at]
 
 
 def read_hierarchy(path: Path, text: str) -> Hierarchy:
-    """The joints; statements are lines, with braces standing for themselves."""
-    tree = Hierarchy(path)
+    """The joints of the text before MOTION."""
+    tree, words = Hierarchy(path), _split(text)
     stack: list[int] = []  # open joints; −1 stands for an End Site
-    opening: int | None = None  # a joint or End Site named, its brace not yet seen
-    end_site = -1
-    for number, raw in enumerate(text.split("\n"), start=1):
-        for words in _statements(raw):
-            keyword = words[0].upper()
-            if keyword == "{":
-                if opening is None:
-                    raise _misplaced(path, "{", number)
-                stack.append(opening)
-                opening = None
-            elif keyword == "}":
-                if not stack or opening is not None:
-                    raise _misplaced(path, "}", number)
-                stack.pop()
-            elif keyword in ("ROOT", "JOINT"):
-                opening = _add_joint(tree, stack, words, opening, number)
-            elif keyword == "END":
-                if not stack or stack[-1] == end_site or opening is not None:
-                    raise _misplaced(path, "End Site", number)
-                tree.end_parents.append(stack[-1])
-                tree.end_offsets.append(np.zeros(3))
-                opening = end_site
-            elif keyword in ("OFFSET", "CHANNELS") and stack and opening is None:
-                _set_property(tree, stack[-1], words, number)
-            elif keyword != "HIERARCHY":
-                raise _misplaced(path, shown(" ".join(words)), number)
-    if stack or opening is not None or not tree.names:
+    while word := words.next.upper():
+        line = words.line
+        words.at += 1
+        if word in ("ROOT", "JOINT"):
+            stack.append(_add_joint(tree, stack, word, words, line))
+        elif word == "END" or word in _END_SITES:
+            stack.append(_add_end_site(tree, stack, words, line))
+        elif word == "}" and stack:
+            _close(tree, stack.pop(), line)
+        elif word == "OFFSET" and stack:
+            _set_offset(tree, stack[-1], words, line)
+        elif word == "CHANNELS" and stack:
+            _set_channels(tree, stack[-1], words, line)
+        elif word != "HIERARCHY":
+            raise _misplaced(path, words.words[words.at - 1], line)
+    if stack or not tree.names:
         raise fault(
             path,
             "every { of the hierarchy closed by a }",
@@ -67,39 +96,46 @@ def read_hierarchy(path: Path, text: str) -> Hierarchy:
     return tree
 
 
-def _statements(line: str) -> list[list[str]]:
-    """The words of a line, and its braces each for itself."""
-    words = line.split()
-    if len(words) > 1 and ("{" in line or "}" in line):
-        return [part.split() for part in re.split(r"([{}])", line) if part.strip()]
-    return [words] if words else []
+def _split(text: str) -> _Words:
+    """The words of a text but for comments; what follows JOINT is a name, however it begins."""
+    words = _Words([], [])
+    line, silent = 1, False
+    for found in _WORD.finditer(text):
+        word = found[0]
+        if found["end"]:
+            line, silent = line + 1, False
+        elif not silent:
+            named = words.words and words.words[-1].upper() in ("ROOT", "JOINT")
+            silent = word.startswith(("#", "//")) and not named
+            if not silent:
+                words.words.append(word)
+                words.lines.append(line)
+    return words
 
 
-def _misplaced(path: Path, what: str, line: int) -> Exception:
+def _misplaced(path: Path, word: str, line: int) -> Exception:
     return fault(
         path,
         "ROOT, JOINT, End Site, OFFSET, CHANNELS or a brace in its place",
-        f"{what} out of place",
-        "Check the braces above this line, or export the file again.",
+        f"{shown(word) if word else 'the end'} out of place",
+        _MEND,
         line,
     )
 
 
-def _add_joint(
-    tree: Hierarchy, stack: list[int], words: list[str], opening: int | None, line: int
-) -> int:
+def _add_joint(tree: Hierarchy, stack: list[int], keyword: str, words: _Words, line: int) -> int:
     """Open a joint; returns its index."""
-    is_root = words[0].upper() == "ROOT"
-    if is_root and tree.names:
+    name = words.name()
+    if keyword == "ROOT" and tree.names:
         raise fault(
             tree.path,
             "one ROOT",
-            f"a second one, {shown(' '.join(words[1:]))}",
+            f"a second one, {shown(name)}",
             "Segue reads one character a file; save each root as a file of its own.",
             line,
         )
-    if opening is not None or (not is_root and (not stack or stack[-1] < 0)):
-        raise _misplaced(tree.path, words[0], line)
+    if keyword == "JOINT" and (not stack or stack[-1] < 0):
+        raise _misplaced(tree.path, f"{keyword} {name}", line)
     if len(tree.names) >= MOST_JOINTS:
         raise fault(
             tree.path,
@@ -108,39 +144,77 @@ def _add_joint(
             "This is no body; export the skeleton of one character.",
             line,
         )
-    tree.names.append(" ".join(words[1:]) or f"joint {len(tree.names)}")
-    tree.parents.append(-1 if is_root else stack[-1])
-    tree.offsets.append(np.zeros(3))
-    tree.channels.append([])
+    _open(tree, words, f"{keyword} {name}")
+    tree.names.append(name or f"joint {len(tree.names)}")
+    tree.parents.append(stack[-1] if stack else -1)
+    tree.offsets.append(None)
+    tree.channels.append(None)
     return len(tree.names) - 1
 
 
-def _set_property(tree: Hierarchy, joint: int, words: list[str], line: int) -> None:
-    """OFFSET or CHANNELS of a joint, or the OFFSET of the End Site opened last (joint −1)."""
-    if words[0].upper() == "OFFSET":
-        numbers = decimals(words[1:])
-        if numbers is None or len(numbers) != 3:
-            raise fault(
-                tree.path,
-                f"OFFSET and three numbers {IN_BOUNDS}",
-                shown(" ".join(words)),
-                "Mend it.",
-                line,
-            )
-        if joint < 0:
-            tree.end_offsets[-1] = np.array(numbers)
-        else:
-            tree.offsets[joint] = np.array(numbers)
-        return
-    matches = [_CHANNEL.fullmatch(word) for word in words[2:]]
+def _add_end_site(tree: Hierarchy, stack: list[int], words: _Words, line: int) -> int:
+    """Open an End Site, which may have a name."""
+    words.name()
+    if not stack or stack[-1] < 0:
+        raise _misplaced(tree.path, "End Site", line)
+    _open(tree, words, "End Site")
+    tree.end_parents.append(stack[-1])
+    tree.end_offsets.append(None)
+    return -1
+
+
+def _open(tree: Hierarchy, words: _Words, whose: str) -> None:
+    if words.next != "{":
+        found = shown(words.next) if words.next else "the end"
+        raise fault(tree.path, f"{{ after {shown(whose)}", found, _MEND, words.line)
+    words.at += 1
+
+
+def _whose(tree: Hierarchy, joint: int) -> str:
+    """A joint as messages call it; −1 is the End Site opened last."""
+    if joint >= 0:
+        return f"joint {shown(tree.names[joint])}"
+    return f"the End Site of {shown(tree.names[tree.end_parents[-1]])}"
+
+
+def _close(tree: Hierarchy, joint: int, line: int) -> None:
+    """InputError when a joint or End Site ends that has no OFFSET."""
+    offset = tree.offsets[joint] if joint >= 0 else tree.end_offsets[-1]
+    if offset is None:
+        todo = "Write it, 0 0 0 where it has no length, or export the file again."
+        raise fault(tree.path, f"an OFFSET of {_whose(tree, joint)}", "none", todo, line)
+
+
+def _set_offset(tree: Hierarchy, joint: int, words: _Words, line: int) -> None:
+    values = words.values()
+    numbers = decimals(values)
+    whose = _whose(tree, joint)
+    if numbers is None or len(numbers) != 3:
+        wanted = f"OFFSET and three numbers {IN_BOUNDS} for {whose}"
+        raise fault(tree.path, wanted, shown(" ".join(["OFFSET", *values])), "Mend it.", line)
+    place, offsets = (joint, tree.offsets) if joint >= 0 else (-1, tree.end_offsets)
+    if offsets[place] is not None:
+        raise fault(tree.path, f"one OFFSET of {whose}", "a second", "Keep the right one.", line)
+    offsets[place] = np.array(numbers)
+
+
+def _set_channels(tree: Hierarchy, joint: int, words: _Words, line: int) -> None:
+    values = words.values()
+    whose = _whose(tree, joint)
+    matches = [_CHANNEL.fullmatch(word) for word in values[1:]]
     channels = [(m[2].lower(), AXES.index(m[1].upper())) for m in matches if m]
-    sound = len(words) > 1 and words[1] == str(len(channels)) and len(channels) == len(matches)
-    if joint < 0 or not sound or len(set(channels)) != len(channels):
+    sound = bool(values) and values[0] == str(len(channels)) and len(channels) == len(matches)
+    if not sound or len(set(channels)) != len(channels) or (joint < 0 and channels):
+        allowed = "that many of Xposition … Zrotation" if joint >= 0 else "none for an End Site"
         raise fault(
             tree.path,
-            "CHANNELS, their count, and that many of Xposition … Zrotation",
-            shown(" ".join(words), 80),
+            f"CHANNELS, their count, and {allowed}",
+            shown(" ".join(["CHANNELS", *values]), 80),
             "Make the count fit the names.",
             line,
         )
+    if joint < 0:
+        return
+    if tree.channels[joint] is not None:
+        raise fault(tree.path, f"CHANNELS of {whose} once", "twice", "Keep the right ones.", line)
     tree.channels[joint] = channels

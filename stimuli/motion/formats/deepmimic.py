@@ -13,14 +13,13 @@ from pathlib import Path
 import numpy as np
 
 from stimuli.motion import quaternions as quat
+from stimuli.motion.formats.rates import rate, rounded_rate
 from stimuli.motion.formats.source import (
     Source,
     check_size,
     decode,
     depth_first,
     fault,
-    rate,
-    rounded_rate,
     shown,
 )
 from stimuli.motion.formats.words import IN_BOUNDS, LARGEST_NUMBER

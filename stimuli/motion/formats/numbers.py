@@ -1,18 +1,27 @@
-"""A long run of decimal numbers, parsed in one call.
+"""Long runs of decimal numbers in the bytes of a file, and what is told of a word that is none.
 
-Without their points decimal numbers are whole ones, which are read several times as fast; one
-multiplication or division by a power of ten then gives the correctly rounded number, as long as
-the mantissa is below 2⁵³ and the power at most 22. A few numbers beyond are read one by one; a text
-of anything else goes through NumPy's parser of decimals.
+Comments are met only where a scan stops, and are blanked then, letter by letter, so that what comes
+after them keeps its place.
 """
 
 import re
-import warnings
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
-from stimuli.motion.formats.source import fault, shown
+from stimuli.motion.formats.scan import (
+    BEGINS,
+    ENDED,
+    NO_NUMBER,
+    PLACE,
+    UNCERTAIN,
+    WORDS,
+    State,
+    new_state,
+    scan,
+)
+from stimuli.motion.formats.source import fault, line_of, shown
 from stimuli.motion.formats.words import (
     DECIMAL,
     IN_BOUNDS,
@@ -23,162 +32,88 @@ from stimuli.motion.formats.words import (
 from stimuli.motion.quaternions import Array
 
 _TODO = "The file is damaged; export it again."
-_POINT, _SPACE, _ZERO, _PLUS, _MINUS = np.frombuffer(b". 0+-", dtype=np.uint8)
-_SMALL, _CAPITAL = b"eE"
-_AS_SPACE = bytes.maketrans(b"eE", b"  ")
-_MOST_EXACT = 2**53  # a larger mantissa is rounded before it is scaled
-_POWERS = 10.0 ** np.arange(23)  # the powers of ten that a double holds exactly
-_FEW = 0.02  # of all numbers, read one by one
-_LARGEST_EXPONENT = 400  # beyond it every number is 0 or too large
-# possessive, so that a word which is no number is met once and not tried in pieces
-_ALL_DECIMALS = re.compile(rf"\s*+(?:{DECIMAL}(?:\s++|\Z))*+", re.ASCII | re.IGNORECASE)
+_NUMBERS = re.compile(rf"\s*+(?:{DECIMAL}(?:\s++|\Z))*+".encode(), re.IGNORECASE)
+_LINE = re.compile(rb"[^\r\n]++")
+_WORD = re.compile(rb"\S+")
+_COMMENT = re.compile(rb"(?:#|//)[^\r\n]*")
 
 
-def parse_numbers(path: Path, text: str, start: int) -> Array:
-    """All numbers of `text` from `start` on; InputError with line and word where one is none."""
-    return numbers_and_ends(path, text, start)[0]
+def parse_numbers(path: Path, data: bytes, start: int = 0) -> Array:
+    """All numbers of a text from `start` on; InputError with line and word where one is none."""
+    most = (len(data) - start) // 2 + 1
+    blocks = list(number_blocks(path, data, new_state(start), most, 1, comments=False))
+    return blocks[0] if blocks else np.empty(0)
 
 
-def numbers_and_ends(path: Path, text: str, start: int) -> tuple[Array, np.ndarray | None]:
-    """The same, and where in `text` the word of each ends, if that came to light in passing."""
-    words = _words(text[start:])
-    numbers, ends = words or (_any_notation(path, text, start), None)
-    if not np.all(np.abs(numbers) < LARGEST_NUMBER):
-        raise _culprit(path, text, start)
-    return numbers, None if ends is None else ends + (start - 1)
+def plain_blocks(data: bytes, start: int, size: int, usual: int) -> Iterator[Array]:
+    """The same as `number_blocks` by Python alone, of a text whose lines have `usual` words each.
+
+    ValueError at what is no such line, which is for `number_blocks` to read or to refuse.
+    """
+    values: list[float] = []
+    for line in _LINE.finditer(data, start):
+        words = line[0].split()
+        if not words:
+            continue
+        if len(words) != usual or not _NUMBERS.fullmatch(line[0]):
+            raise ValueError("another layout")
+        values += map(float, words)
+        if len(values) >= size:
+            yield _bounded(values)
+            values = []
+    if values:
+        yield _bounded(values)
 
 
-def words_in_lines(text: str, start: int) -> np.ndarray:
-    """How many words each line (N,) of ASCII text has from `start` on."""
-    return np.array([len(line.split()) for line in text[start:].split("\n")])
+def _bounded(values: list[float]) -> Array:
+    block = np.array(values)
+    if not np.all(np.abs(block) < LARGEST_NUMBER):
+        raise ValueError("a number out of bounds")
+    return block
 
 
-def scaled_mantissas(text: str) -> Array | None:
-    """Numbers read as whole mantissas times powers of ten; None when there is anything else."""
-    words = _words(text)
-    return None if words is None else words[0]
+def number_blocks(
+    path: Path, data: bytes, state: State, size: int, usual: int, comments: bool = True
+) -> Iterator[Array]:
+    """The numbers from the state's place on, `size` at a time, the last block with what is left.
 
-
-def _words(text: str) -> tuple[Array, np.ndarray] | None:
-    """Such numbers, and behind which letter of a blank and the text each of them ends."""
-    try:
-        data = f" {text} ".encode("ascii")
-    except UnicodeEncodeError:
-        return None
+    `usual` is how many words a line should have; the state counts lines that have not.
+    `comments` tells whether there may be some.
+    """
     codes = np.frombuffer(data, dtype=np.uint8)
-    inside = codes > _SPACE
-    letters = _letters(data, codes)
-    inside[letters] = False  # an exponent counts as a word of its own, and is read as one
-    ends = np.flatnonzero(inside[:-1] > inside[1:]) + 1
-    whole = _whole_numbers(data.translate(_AS_SPACE, b"."))
-    if whole is None or len(whole) != len(ends) or not _end_in_digits(codes, ends):
-        return None
-    points = np.flatnonzero(codes == _POINT)
-    behind = codes[points + 1]
-    if np.any((behind == _PLUS) | (behind == _MINUS)):  # without its point, a sign like any other
-        return None
-    decimals = _decimals(points, ends)
-    if decimals is None:
-        return None
-    if len(letters):
-        owners = np.searchsorted(ends, letters)
-        exponents = owners + 1
-        sound = inside[letters - 1] & inside[letters + 1]
-        if not np.all(sound) or np.any(np.diff(owners) == 1):
-            return None
-        if np.any(decimals[exponents]) or np.any(codes[ends[exponents] - 1] == _POINT):
-            return None
-        if _largest(whole[exponents]) > _LARGEST_EXPONENT:
-            return None
-        decimals[owners] -= whole[exponents]
-        ends[owners] = ends[exponents]
-        number = np.ones(len(whole), dtype=bool)
-        number[exponents] = False
-        whole, decimals, ends = whole[number], decimals[number], ends[number]
-    numbers = _scaled(whole, decimals, data, ends)
-    return None if numbers is None else (numbers, ends)
+    blanked, filled, values = not comments, 0, np.empty(size)
+    while True:
+        why, count = scan(codes, state, values[filled:], usual)
+        filled += count
+        if why == UNCERTAIN:
+            match = _WORD.match(data, int(state[PLACE]))
+            number = decimal(match[0].decode("ascii")) if match else None
+            if match is None or number is None:
+                raise _culprit(path, data, int(state[PLACE]))
+            values[filled] = number
+            filled += 1
+            if state[WORDS] == 0:
+                state[BEGINS] = state[PLACE]
+            state[PLACE], state[WORDS] = match.end(), state[WORDS] + 1
+        elif why == NO_NUMBER:
+            if blanked:
+                raise _culprit(path, data, int(state[PLACE]))
+            blanked = True
+            rest = _COMMENT.sub(lambda found: b" " * len(found[0]), data[state[PLACE] :])
+            data = data[: state[PLACE]] + rest
+            codes = np.frombuffer(data, dtype=np.uint8)
+        elif why == ENDED:
+            if filled:
+                yield values[:filled]
+            return
+        if filled == size:
+            yield values
+            filled, values = 0, np.empty(size)
 
 
-def _end_in_digits(codes: np.ndarray, ends: np.ndarray) -> bool:
-    """Whether every word does, points apart: NumPy takes a sign alone for the next word's."""
-    last = codes[ends - 1]
-    digits = last - _ZERO <= 9  # wraps around below 0
-    return bool(np.all(digits | ((last == _POINT) & (codes[ends - 2] - _ZERO <= 9))))
-
-
-def _letters(data: bytes, codes: np.ndarray) -> np.ndarray:
-    """Where the exponents' letters stand."""
-    if b"e" not in data and b"E" not in data:
-        return np.empty(0, dtype=np.intp)
-    return np.flatnonzero((codes == _SMALL) | (codes == _CAPITAL))
-
-
-def _decimals(points: np.ndarray, ends: np.ndarray) -> np.ndarray | None:
-    """Digits behind the point of every word; None where a word has two points."""
-    if len(points) == len(ends) and np.all(points < ends) and np.all(points[1:] > ends[:-1]):
-        return np.asarray(ends - points - 1)
-    decimals = np.zeros(len(ends), dtype=np.int64)
-    words = np.searchsorted(ends, points)
-    if np.any(words[1:] == words[:-1]):
-        return None
-    decimals[words] = ends[words] - points - 1
-    return decimals
-
-
-def _scaled(whole: np.ndarray, decimals: np.ndarray, data: bytes, ends: np.ndarray) -> Array | None:
-    """whole / 10^decimals, correctly rounded; None where too many numbers need another way."""
-    beyond: np.ndarray = np.empty(0, dtype=np.intp)
-    if _largest(whole) >= _MOST_EXACT or _largest(decimals) >= len(_POWERS):
-        large = (whole >= _MOST_EXACT) | (whole <= -_MOST_EXACT)  # the least has no magnitude
-        beyond = np.flatnonzero(large | (np.abs(decimals) >= len(_POWERS)))
-        if len(beyond) > _FEW * len(whole):
-            return None
-        decimals[beyond] = 0
-    if decimals.min() >= 0:
-        numbers = whole / _POWERS[decimals]
-    else:
-        scale = _POWERS[np.abs(decimals)]
-        numbers = np.where(decimals < 0, whole * scale, whole / scale)
-    for place in beyond:
-        before = ends[place - 1] if place else 0
-        try:
-            numbers[place] = float(data[before : ends[place]])
-        except ValueError:
-            return None
-    return np.asarray(numbers)
-
-
-def _largest(values: np.ndarray) -> int:
-    """The largest magnitude of whole numbers."""
-    return max(int(values.max()), -int(values.min()))
-
-
-def _whole_numbers(data: bytes) -> np.ndarray | None:
-    """Whole numbers between blanks; None when there is anything else."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("error", DeprecationWarning)
-        try:
-            return np.fromstring(data, dtype=np.int64, sep=" ")
-        except (DeprecationWarning, ValueError):
-            return None
-
-
-def _any_notation(path: Path, text: str, start: int) -> Array:
-    if not _ALL_DECIMALS.fullmatch(text, start):  # NumPy would take 1-2 for two numbers
-        raise _culprit(path, text, start)
-    with warnings.catch_warnings():
-        warnings.simplefilter("error", DeprecationWarning)
-        try:
-            return np.fromstring(text[start:], sep=" ")
-        except (DeprecationWarning, ValueError):
-            raise _culprit(path, text, start) from None
-
-
-def _culprit(path: Path, text: str, start: int) -> Exception:
-    """The fault of the first word that is no usable number."""
-    for word in re.finditer(r"\S+", text[start:]):
-        if decimal(word[0]) is None:
-            line = text.count("\n", 0, start + word.start()) + 1
-            wanted = f"a number {IN_BOUNDS}" if is_decimal(word[0]) else "a number"
-            return fault(path, wanted, shown(word[0]), _TODO, line)
-    return fault(path, "plain decimal numbers", "another notation", _TODO)
+def _culprit(path: Path, data: bytes, place: int) -> Exception:
+    """The fault of the word at a place, which is no usable number."""
+    match = _WORD.match(data, place)
+    word = match[0].decode("utf-8", "replace") if match else ""
+    wanted = f"a number {IN_BOUNDS}" if is_decimal(word) and decimal(word) is None else "a number"
+    return fault(path, wanted, shown(word), _TODO, line_of(data, place))

@@ -1,5 +1,6 @@
 """What every reader returns, and how every reader complains."""
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -15,17 +16,18 @@ MOST_FRAMES = 2_000_000  # 18 hours at 30 a second, 4 at 120
 # Joints times frames: 3 hours of 31 at 30 a second. On the way to a clip they take 1.5 GB, and 3 GB
 # when each has six channels, as then the file itself is of such a size.
 MOST_ROTATIONS = 12_000_000
-SLOWEST, FASTEST = 1.0, 2_000.0  # frames a second of any capture of a whole body
-_SAME_RATE = 1e-3  # rates this near, in proportion, are one
+LINE_END = r"\r{0,2}\n|\r"  # of any system, or of two in turn
+_LINE_END = re.compile(LINE_END.encode())
 
 
 @dataclass(frozen=True, eq=False)
 class Source:
     """A motion as its file has it: the file's units, axes and rate.
 
-    `offsets[0]` is the root's own offset. `strays` are the joints whose position channels vary,
-    with the largest distance from their mean, in file units. `at_rest` marks frames whose root
-    rotation channels are exactly 0.
+    `offsets[0]` is the root's own offset. `moves` are the positions (F, 3) of joints below the
+    root that have all three position channels, or whose positions vary: their offsets are the
+    means of these. `at_rest` marks frames whose root rotation channels are exactly 0. `world` is
+    the up axis where the format has one.
     """
 
     format: str
@@ -38,8 +40,9 @@ class Source:
     root: Array
     fps: float
     loop: bool = False
-    strays: Mapping[str, float] = field(default_factory=dict)
+    moves: Mapping[int, Array] = field(default_factory=dict)
     at_rest: np.ndarray | None = None
+    world: str | None = None
     warnings: tuple[str, ...] = ()
 
 
@@ -55,15 +58,15 @@ def shown(text: str, limit: int = 40) -> str:
     return repr(clean if len(clean) <= limit else clean[: limit - 1] + "…")
 
 
-def decode(path: Path, data: bytes) -> str:
-    """The text of a file: UTF-8 or UTF-16 with its mark; refuses what is no text at all."""
+def text_bytes(path: Path, data: bytes) -> bytes:
+    """The bytes of a text in one of the encodings that hold ASCII; refuses what is no text."""
     todo = "Export the motion again, or take the original file."
     if not data.strip():
         raise fault(path, "a motion", "an empty file", todo)
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):
         try:
-            return data.decode("utf-16")
-        except UnicodeDecodeError:
+            return data.decode("utf-16").encode()
+        except UnicodeError:
             raise fault(path, "text", "broken UTF-16", "Save the file as UTF-8.") from None
     head = data[:200].lstrip()
     if head.startswith(b"version https://git-lfs"):
@@ -72,10 +75,28 @@ def decode(path: Path, data: bytes) -> str:
         raise fault(path, "a motion", "a web page (HTML or XML)", "Download the file itself.")
     if b"\0" in data[:4096]:
         raise fault(path, "text", "binary data", todo)
+    return data.removeprefix(b"\xef\xbb\xbf")
+
+
+def decode(path: Path, data: bytes) -> str:
+    """The text of a file, lines ending in one way: UTF-8, UTF-16 with its mark, else Latin-1."""
+    text = decoded(text_bytes(path, data))
+    for end in ("\r\r\n", "\r\n", "\r"):
+        text = text.replace(end, "\n")
+    return text
+
+
+def decoded(data: bytes) -> str:
+    """The text that bytes are: UTF-8, else Latin-1."""
     try:
-        return data.decode("utf-8-sig")
+        return data.decode("utf-8")
     except UnicodeDecodeError:
         return data.decode("latin-1")
+
+
+def line_of(data: bytes, place: int) -> int:
+    """The number of the line in which a byte lies."""
+    return 1 + sum(1 for _ in _LINE_END.finditer(data, 0, place))
 
 
 def contents(path: Path) -> bytes:
@@ -85,30 +106,6 @@ def contents(path: Path) -> bytes:
     except OSError as error:
         why = error.strerror or "unreadable"
         raise InputError(f"{path}: expected a file to read, found none ({why}).") from None
-
-
-def is_rate(fps: float) -> bool:
-    """Whether frames a second are those of a capture."""
-    return SLOWEST * (1 - _SAME_RATE) <= fps <= FASTEST * (1 + _SAME_RATE)
-
-
-def rate(path: Path, frame_time: float, line: int | None = None) -> float:
-    """Frames a second of a frame time; within 0.1 % of an integer it is that integer."""
-    if not (frame_time > 0 and is_rate(1.0 / frame_time)):
-        raise fault(
-            path,
-            f"a frame time of {1 / FASTEST:g} to {1 / SLOWEST:g} seconds",
-            f"{frame_time:g}",
-            "Write the seconds between two frames, such as 0.0333333.",
-            line,
-        )
-    return rounded_rate(1.0 / frame_time)
-
-
-def rounded_rate(fps: float) -> float:
-    """A rate, or the integer that it is within 0.1 % of."""
-    whole = round(fps)
-    return float(whole) if whole and abs(fps - whole) <= _SAME_RATE * whole else fps
 
 
 def check_size(path: Path, frames: int, joints: int, fps: float) -> None:

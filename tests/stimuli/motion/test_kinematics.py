@@ -1,11 +1,12 @@
 """Forward kinematics against homogeneous matrices; headings of known poses."""
 
 import numpy as np
+import pytest
 from scipy.spatial.transform import Rotation
 
 from stimuli.motion import end_positions, forward, heading, load
 from stimuli.motion import quaternions as quat
-from stimuli.motion.kinematics import headings, joint_positions, placed
+from stimuli.motion.kinematics import _by_levels, _followed, headings, joint_positions, placed
 
 
 def by_matrices(motion, frame):
@@ -87,3 +88,27 @@ def test_heading_is_that_of_the_walk(motions):
     yaw = heading(motion.skeleton, motion.rotations[45], motion.root[45])
     facing = np.array([np.sin(yaw), np.cos(yaw)])
     assert facing @ step[[0, 2]] / np.linalg.norm(step[[0, 2]]) > 0.95
+
+
+@pytest.mark.parametrize("lead", [(), (1,), (2, 3)])
+def test_the_compiled_loop_goes_where_numpy_goes(bodies, lead):
+    motion = bodies.wandering(6, 4)
+    frames = 6 if lead == (2, 3) else 1
+    rotations = motion.rotations[:frames].reshape(*lead, -1, 4)
+    for root in (motion.root[:frames].reshape(*lead, 3), np.array([1.0, 2.0, 3.0])):
+        rotations.flags.writeable = False
+        compiled = _followed(motion.skeleton, rotations, root)
+        plain = _by_levels(motion.skeleton, rotations, root)
+        for ours, theirs in zip(compiled, plain, strict=True):
+            assert ours.shape == theirs.shape
+            assert np.allclose(ours, theirs, rtol=0, atol=1e-13)
+
+
+def test_the_compiled_loop_takes_any_layout_of_numbers(bodies):
+    motion = bodies.wandering(9, 4)
+    every_other = motion.rotations[::2]
+    single = every_other.astype(np.float32)
+    compiled, _ = _followed(motion.skeleton, every_other, motion.root[::2])
+    assert np.allclose(compiled, forward(motion.skeleton, motion.rotations, motion.root)[0][::2])
+    rough, _ = _followed(motion.skeleton, single, motion.root[::2])
+    assert np.allclose(rough, compiled, atol=1e-5)

@@ -20,7 +20,6 @@ from stimuli.transition import (
     transition_measures,
 )
 from stimuli.transition.blend import smoothstep
-from stimuli.transition.switch import decay_quintic, decay_spring
 from stimuli.transition.timewarp import timewarp_costs
 from stimuli.transition.window import center_aligned, start_end
 
@@ -207,17 +206,6 @@ def test_inertialization_starts_on_a_with_its_velocity_and_settles_on_b(bodies):
         done = transition(a, b, 25, 40, method=method, frames=12)
         assert quat.geodesic(done.motion.rotations[25], a.rotations[25]).max() < 1e-7
         assert np.allclose(done.motion.rotations[37:, 1:], b.rotations[41:, 1:])
-
-
-def test_the_quintic_starts_with_the_speed_it_is_given_and_ends_at_rest():
-    path = decay_quintic(np.array([1.0]), np.array([0.05]), 400)[:, 0]
-    assert np.isclose(path[0], 1.0)
-    assert np.isclose(path[1] - path[0], 0.05, atol=1e-4)
-    assert np.abs(np.diff(path, 2)[:2]).max() < 1e-4
-    assert abs(path[-1]) < 1e-5
-    spring = decay_spring(np.array([1.0]), np.array([0.05]), 400)[:, 0]
-    assert np.isclose(spring[1] - spring[0], 0.05, atol=2e-3)
-    assert abs(spring[-1]) < 0.02
 
 
 def test_the_sigmoid_has_the_ends_and_the_middle_of_the_line():

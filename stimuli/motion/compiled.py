@@ -1,0 +1,43 @@
+"""Loops compiled by Numba, and whether they are worth loading.
+
+Numba takes most of a second to load, once a process: as long as plain Python and NumPy take for
+dozens of short clips. Whoever reads one clip is spared that; whoever reads many, or a long one, is
+spared more. What comes out is the same, but for the last digits of sums.
+"""
+
+import sys
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+ENOUGH = 1_000_000  # bytes of numbers worked on in a process
+
+
+def worth_loading(size: int) -> bool:
+    """Whether a process that has another `size` bytes to work on should load the loops."""
+    done = _done_so_far()
+    done[0] += size
+    return done[0] > ENOUGH or "numba" in sys.modules
+
+
+@cache
+def _done_so_far() -> list[int]:
+    return [0]
+
+
+def kept(function: Callable[..., Any]) -> Callable[..., Any]:
+    """The function compiled, on the first call, and kept on disk where there is a place for it."""
+    import numba
+
+    options: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
+    try:
+        return numba.njit(cache=True, **options)(function)
+    except RuntimeError:  # nowhere to keep it
+        return numba.njit(**options)(function)
+
+
+def inlined(function: Callable[..., Any]) -> Callable[..., Any]:
+    """A part of such a function, which a call of its own would slow down several times."""
+    import numba
+
+    return numba.njit(inline="always", error_model="numpy")(function)
