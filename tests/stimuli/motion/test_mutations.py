@@ -232,7 +232,8 @@ def mutate_real(path: Path) -> None:
             raise AssertionError(f"{path.name}: {name}") from error
     for name, change in FAULTS.items():
         changed = change(text)
-        if changed != text:
+        wraps = name == "a number in the next line" and len(wanted.root) == 1
+        if changed != text and not wraps:
             try:
                 assert_refused(changed)
             except BaseException as error:
