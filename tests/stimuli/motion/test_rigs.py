@@ -10,8 +10,10 @@ from scipy.spatial.transform import Rotation
 from stimuli.errors import InputError
 from stimuli.motion import forward, load
 from stimuli.motion import quaternions as quat
+from stimuli.motion.library import clips_under
 from stimuli.motion.listing import roles_as_overrides
 from stimuli.motion.roles import LIMBS, ROLES
+from stimuli.motion.shape import shape_roles
 
 LISTED = (
     "Hips Spine Chest Neck Head LeftShoulder LeftArm LeftForeArm LeftHand RightShoulder RightArm "
@@ -425,3 +427,35 @@ def test_quaternions_of_a_rig_are_those_of_its_angles(read):
     motion = read(rig).motion
     expected = rig.rotations.as_quat(scalar_first=True).reshape(FRAMES, -1, 4)
     assert np.max(quat.geodesic(motion.rotations, expected)) < 1e-7
+
+
+FAMILIES = (
+    "accad_male1_bvh/Male1_C03_Run.bvh", "accad_male1_bvh/Male1_A10_LieToCrouch.bvh",
+    "cmu_bvh/02_01.bvh", "cmu_bvh/05_01.bvh", "cmu_bvh/06_01.bvh", "cmu_bvh/09_01.bvh",
+    "cmu_from_amc_bvh/16_41.bvh", "cmu_asfamc/02_03.amc", "cmu_asfamc/16_41.amc",
+    "other_bvh/cmu_daz_salsa_13.bvh", "other_bvh/reactidle_002_genuine.bvh",
+    "other_bvh/rokoko_jesse_dance.bvh", "messy/real_freebvh_55j.bvh",
+    "messy/real_mocapbank_crlf.bvh", "messy/real_pybvh_test3_zup_60j.bvh",
+    "messy/real_skeleton_one_frame.bvh", "messy/real_walk01_24fps.bvh", "messy/no_end_sites.bvh",
+)  # fmt: skip
+
+
+def assert_shape_tells_what_names_do(path) -> None:
+    motion = load(path).motion
+    skeleton = motion.skeleton
+    found = shape_roles(replace(skeleton, roles={}), motion.rotations, {})
+    wrists = {"left_wrist", "right_wrist"} if "lwrist" in skeleton.names else set()
+    expected = {role: joint for role, joint in skeleton.roles.items() if role not in wrists}
+    assert {role: joint for role, joint in found.items() if role not in wrists} == expected
+
+
+@pytest.mark.parametrize("name", FAMILIES)
+def test_the_shape_of_a_captured_body_tells_what_its_names_do(motions, name):
+    assert_shape_tells_what_names_do(motions / name)
+
+
+@pytest.mark.slow
+def test_the_shape_of_every_captured_body_tells_what_its_names_do(motions):
+    folders = ("accad_male1_bvh", "cmu_bvh", "cmu_asfamc", "cmu_from_amc_bvh", "other_bvh")
+    for path in (path for folder in folders for path in clips_under(motions / folder)):
+        assert_shape_tells_what_names_do(path)
