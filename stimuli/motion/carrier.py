@@ -17,21 +17,30 @@ from stimuli.motion.skeleton import children_of
 
 
 def carrier(source: Source, roles: Mapping[str, int]) -> int:
-    """The lowest joint with position channels from which the whole body still hangs."""
+    """The joint that carries the body: 0, the root, unless one below has positions of its own.
+
+    That is the lowest from which legs, arms and head all hang; without legs, one that moves below
+    a root that does not.
+    """
+    if not source.moves:
+        return 0
+    if "left_hip" not in roles or "right_hip" not in roles:
+        return _moving_below(source)
     chains = [chain_to(source.parents, joint) for role, joint in roles.items() if role != "pelvis"]
-    if len(chains) > 1:
-        shared = [joint for joint in chains[0] if all(joint in chain for chain in chains)]
-    else:
-        shared = _trunk(source.parents)
+    shared = [joint for joint in chains[0] if all(joint in chain for chain in chains)]
     return max((joint for joint in shared if joint in source.moves), default=0)
 
 
-def _trunk(parents: np.ndarray) -> list[int]:
-    """The joints down to the first on which several hang."""
-    children, trunk = children_of(parents), [0]
-    while len(children[trunk[-1]]) == 1:
-        trunk += children[trunk[-1]]
-    return trunk
+def _moving_below(source: Source) -> int:
+    """The first joint that moves, of those before several hang on one, below a still root."""
+    children, joint = children_of(source.parents), 0
+    while True:
+        places = source.moves.get(joint) if joint else source.root
+        if places is not None and np.ptp(places, axis=0).max() > 0:
+            return joint
+        if np.ptp(source.rotations[:, joint], axis=0).max() > 0 or len(children[joint]) != 1:
+            return 0
+        joint = children[joint][0]
 
 
 def folded(source: Source, joint: int) -> tuple[Source, str]:
@@ -48,6 +57,10 @@ def folded(source: Source, joint: int) -> tuple[Source, str]:
     rotations[:, 0] = turn
     still = np.all(source.rotations[:, above, 1:] == 0, axis=(1, 2))
     names = ", ".join(source.names[link] for link in above[:-1])
+    offsets = source.offsets[kept]
+    offsets[0] = 0.0
+    if source.declared is not None and np.all(place == source.moves.get(joint)):
+        offsets[0] = source.declared[joint]  # to which its positions may be relative, as a root's
     note = f"{source.names[joint]} carries the body: {names} above it folded in"
     if lost := [source.names[k] for k in range(len(source.names)) if k not in {*kept, *above}]:
         note += f"; left out: {', '.join(lost[:6])}{' …' if len(lost) > 6 else ''}"
@@ -55,11 +68,12 @@ def folded(source: Source, joint: int) -> tuple[Source, str]:
         source,
         names=tuple(source.names[k] for k in kept),
         parents=np.array([-1, *(index[int(source.parents[k])] for k in kept[1:])]),
-        offsets=np.concatenate([np.zeros((1, 3)), source.offsets[kept[1:]]]),
+        offsets=offsets,
         end_parents=np.array([index[int(source.end_parents[k])] for k in ends], dtype=int),
         end_offsets=source.end_offsets[ends],
         rotations=rotations,
         root=place,
         moves={index[k]: track for k, track in source.moves.items() if k in index and k != joint},
+        declared=None,
         at_rest=None if source.at_rest is None else still,
     ), note

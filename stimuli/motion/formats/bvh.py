@@ -82,6 +82,7 @@ def read_bvh(path: Path, data: bytes, fps: float | None = None) -> Source:
         root=moves.pop(0),
         fps=header.fps,
         moves=moves,
+        declared=np.array(tree.offsets, dtype=float),
         at_rest=table.at_rest,
         warnings=(*header.warnings, *table.warnings, *notes),
     )
@@ -172,6 +173,6 @@ def _offsets(
             "They would shrink the body to a point: export without positions below the root.",
         )
     notes = [f"positions that are 0 replace the OFFSET of {names}"] if shrunk else []
-    if 0 not in table.moving:
+    if not any(len(axes) == 3 for axes in table.moving.values()) and 0 not in table.moving:
         notes.append("the root has no position channels: the body stays in its place")
     return offsets, moves, notes

@@ -30,12 +30,12 @@ _AT_ONCE = 3_000  # numbers
 @dataclass(frozen=True, eq=False)
 class Table:
     """Rotations (F, J, 4); the position channels (F, N) of joints, by joint, and the axes of these;
-    which frames have a root that does not turn, where it could."""
+    which frames have a root that is not turned."""
 
     rotations: Array
     positions: dict[int, Array]
     moving: dict[int, list[int]]
-    at_rest: np.ndarray | None
+    at_rest: np.ndarray
     warnings: tuple[str, ...]
 
 
@@ -63,7 +63,7 @@ def read_table(
         rotations=rotations,
         positions={joint: positions[:, own] for joint, own in layout.own.items()},
         moving=layout.axes,
-        at_rest=np.all(rotations[:, 0, 1:] == 0, axis=1) if layout.turns_root else None,
+        at_rest=np.all(rotations[:, 0, 1:] == 0, axis=1),
         warnings=(note,) if there > frames else (),
     )
 
@@ -130,7 +130,6 @@ class _Layout:
                 self.axes[joint] = [axis for _, axis in moves]
         self.width = column
         self.at_once = max(1, _AT_ONCE // max(column, 1)) * column
-        self.turns_root = 0 in joints
         self._still = [joint for joint in range(len(tree.names)) if joint not in set(joints)]
         self._turns = tuple(np.array(part, dtype=np.int64) for part in (joints, columns, axes))
 

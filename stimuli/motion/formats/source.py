@@ -26,8 +26,8 @@ class Source:
 
     `offsets[0]` is the root's own offset. `moves` are the positions (F, 3) of joints below the
     root that have all three position channels, or whose positions vary: their offsets are the
-    means of these. `at_rest` marks frames whose root rotation channels are exactly 0. `world` is
-    the up axis where the format has one.
+    means of these, and `declared` those that the file has for them. `at_rest` marks frames whose
+    root is not turned at all. `world` is the up axis where the format has one.
     """
 
     format: str
@@ -41,6 +41,7 @@ class Source:
     fps: float
     loop: bool = False
     moves: Mapping[int, Array] = field(default_factory=dict)
+    declared: Array | None = None
     at_rest: np.ndarray | None = None
     world: str | None = None
     warnings: tuple[str, ...] = ()

@@ -204,6 +204,39 @@ def test_hips_that_do_not_move_below_a_root_that_does_are_left_there(read):
     assert not found.warnings
 
 
+def test_hips_may_be_relative_to_their_offset_as_a_root_may(read):
+    rig = under(walker(), "root", STILL, NOWHERE)
+    rig.offsets[1] = [0.0, 87.0, 0.0]
+    rig.positions[:, 1] -= rig.offsets[1]
+    found = read(rig)
+    assert np.allclose(places(found), places(read(walker())), atol=1e-6)
+    assert "the root's position channels are relative to its OFFSET: added to it" in found.warnings
+
+
+def test_an_armature_without_channels_is_folded_too(read):
+    text = under(walker(), "Armature", STILL, NOWHERE).text()
+    text = text.replace(text[text.index("CHANNELS 6") :].split("\n")[0], "CHANNELS 0", 1)
+    head, rows = text.split("Frame Time: 0.0333333\n")
+    rows = "\n".join(" ".join(row.split()[6:]) for row in rows.splitlines())
+    found = read(f"{head}Frame Time: 0.0333333\n{rows}\n")
+    assert np.allclose(places(found), places(read(walker())), atol=1e-6)
+    assert found.warnings == ("Hips carries the body: Armature above it folded in",)
+
+
+@pytest.mark.parametrize("above", ["", "root"])
+def test_a_body_without_legs_is_carried_by_what_moves(read, above):
+    """Arms, trunk and head, with positions on every joint."""
+    rig, count = walker(), 13
+    taken = [f * len(NAMES) + k for f in range(FRAMES) for k in range(count)]
+    bust = Rig(rig.names[:count], rig.parents[:count], rig.offsets[:count],
+               {k: end for k, end in ENDS.items() if k < count}, rig.rotations[taken],
+               rig.positions[:, :count], tuple(range(count)))  # fmt: skip
+    whole = under(bust, above, STILL, NOWHERE) if above else bust
+    found = read(replace(whole, moving=tuple(range(len(whole.names)))), scale=0.01)
+    assert found.motion.skeleton.names == bust.names
+    assert np.allclose(found.motion.root, 0.01 * rig.positions[:, 0], atol=1e-6)
+
+
 def test_limbs_that_stretch_carry_nothing(read):
     rig = walker()
     rig.positions[:, 6, 0] += np.linspace(0, 3, FRAMES)
