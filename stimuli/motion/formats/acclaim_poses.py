@@ -16,7 +16,7 @@ from stimuli.errors import InputError
 from stimuli.motion.formats.acclaim_skeleton import REMEDY, AcclaimSkeleton
 from stimuli.motion.formats.numbers import parse_numbers
 from stimuli.motion.formats.source import fault, shown
-from stimuli.motion.formats.words import IN_BOUNDS, decimals, whole
+from stimuli.motion.formats.words import IN_BOUNDS, decimals, whole, without_comment
 from stimuli.motion.quaternions import Array
 
 _FIRST_FRAME = re.compile(r"^([0-9]+)[ \t]*\r?$", re.MULTILINE)
@@ -129,7 +129,7 @@ def _line_by_line(path: Path, text: str, widths: Mapping[str, int], degrees: boo
     rows: dict[str, list[list[float]]] = {}
     frame, frames = None, 0
     for number, raw in enumerate(text.split("\n"), start=1):
-        words = raw.split("#")[0].split()
+        words = without_comment(raw).split()
         if not words:
             continue
         if words[0].startswith(":"):

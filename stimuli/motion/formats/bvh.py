@@ -58,7 +58,7 @@ def read_bvh(path: Path, data: bytes, fps: float | None = None) -> Source:
     data = _blanked(text_bytes(path, data))
     if not _HIERARCHY.match(data):
         todo = "This is no BVH file; export it as BVH."
-        raise fault(path, "HIERARCHY", shown(decoded(data[:40])), todo, 1)
+        raise fault(path, "HIERARCHY", shown(_next_line(data, 0)), todo, 1)
     start, end = _motion(data)
     tree = read_hierarchy(path, decoded(data[:start]))
     if start == len(data):

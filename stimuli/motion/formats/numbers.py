@@ -35,7 +35,7 @@ _TODO = "The file is damaged; export it again."
 _NUMBERS = re.compile(rf"\s*+(?:{DECIMAL}(?:\s++|\Z))*+".encode(), re.IGNORECASE)
 _LINE = re.compile(rb"[^\r\n]++")
 _WORD = re.compile(rb"\S+")
-_COMMENT = re.compile(rb"(?:#|//)[^\r\n]*")
+_COMMENT = re.compile(rb"(?<!\S)(?:#|//)[^\r\n]*")  # a word of its own, unlike that in -1.#IND
 
 
 def parse_numbers(path: Path, data: bytes, start: int = 0) -> Array:

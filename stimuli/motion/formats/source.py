@@ -76,7 +76,7 @@ def text_bytes(path: Path, data: bytes) -> bytes:
         raise fault(path, "a motion", "a web page (HTML or XML)", "Download the file itself.")
     if b"\0" in data[:4096]:
         raise fault(path, "text", "binary data", todo)
-    return data.removeprefix(b"\xef\xbb\xbf")
+    return data.removeprefix(b"\xef\xbb\xbf").removesuffix(b"\x1a")  # a mark of DOS at the end
 
 
 def decode(path: Path, data: bytes) -> str:

@@ -132,6 +132,11 @@ FAULTS: Mapping[str, tuple[Change, Change]] = {
     "a skeleton that is none": (lambda text: "nothing", same),
     "an empty skeleton": (lambda text: " \n", same),
     "no number": (same, sub(r"(^root\s+)\S+", r"\1nan", 1)),
+    "a number that its program could not print": (same, sub(r"(^root\s+)\S+", r"\1-1.#IND", 1)),
+    "a length that its program could not print": (
+        sub(r"(^\s*length)\s+\S+(?=.*\n\s*axis)", r"\1 1.#INF", 1),
+        same,
+    ),
     "a bare exponent": (same, sub(r"(^root\s+)\S+", r"\g<1>0e", 1)),
     "an infinite number": (same, sub(r"(^root\s+)\S+", r"\1inf", 1)),
     "a number too many": (same, sub(r"(^root\s+)", r"\1 1.0 ", 1)),

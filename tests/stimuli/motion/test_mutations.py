@@ -120,6 +120,7 @@ LAYOUTS: Mapping[str, Change] = {
     "blanks of other alphabets": body(sub(" +", "\u00a0\u3000")),
     "blanks at line ends": sub("$", "  \t"),
     "no line end at the end": str.rstrip,
+    "a mark of DOS at the end": lambda text: text + "\x1a",
     "exponents": body(lambda text: re.sub(
         r"\S+", lambda word: word[0] if "e" in word[0].lower() else word[0] + "e+00", text)),
     "many digits": body(sub(r"(?<=\.)([0-9]+)(?=\s)", r"\g<1>000000000000000000")),
@@ -146,6 +147,7 @@ FAULTS: Mapping[str, Change] = {
     "decimal commas": body(sub(r"\.", ",")),
     "semicolons": body(sub(r"(?<=\S) +(?=\S)", ";")),
     "no number": body(sub(r"\S+", "nan", 1)),
+    "a number that its program could not print": body(sub(r"\S+", "-1.#IND", 1)),
     "a bare exponent": body(sub(r"\S+", "0e", 1)),
     "words at the end": lambda text: text.rstrip() + "\nEND\n",
     "a number too few": lambda text: re.sub(r"\S+\s*$", "", text),
@@ -211,6 +213,10 @@ def test_what_is_missing_twice_or_malformed_is_refused(fault):
         ("an OFFSET of four numbers", "clip.bvh:4: expected OFFSET and three numbers"),
         ("a wrong count of channels", "clip.bvh:9: "),
         ("a bare exponent", "clip.bvh:19: expected a number, found '0e'"),
+        (
+            "a number that its program could not print",
+            "clip.bvh:19: expected a number, found '-1.#IND'",
+        ),
         ("a number in the next line", "clip.bvh:19: expected 2 frames of 9 numbers"),
         ("words at the end", "clip.bvh:21: expected a number, found 'END'"),
     ],
