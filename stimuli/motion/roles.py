@@ -23,7 +23,7 @@ ROLES = (
 )  # fmt: skip
 Convention = Mapping[str, str]  # what a name says but for its side → part
 
-TRUNK: Convention = {
+TRUNK_NAMES: Convention = {
     **dict.fromkeys(
         ("hips", "pelvis", "hip", "root", "lowertorso", "下半身", "センター"), "pelvis"
     ),
@@ -31,7 +31,7 @@ TRUNK: Convention = {
     **dict.fromkeys(("head", "face", "skull", "頭"), "head"),
 }
 _CLAVICLE = dict.fromkeys(("clavicle", "collar", "collarbone", "scapula"), "clavicle")
-ARMS: Mapping[str, Convention] = {
+ARMS_NAMES: Mapping[str, Convention] = {
     # MotionBuilder, Mixamo, Xsens, Unreal, Blender, Biped, OptiTrack, iClone, GENEA, Bandai-Namco
     "segments": _CLAVICLE | {
         "shoulder": "clavicle",
@@ -51,7 +51,7 @@ ARMS: Mapping[str, Convention] = {
     },
     "MikuMikuDance": {"肩": "clavicle", "腕": "shoulder", "ひじ": "elbow", "手首": "wrist"},
 }  # fmt: skip
-LEGS: Mapping[str, Convention] = {
+LEGS_NAMES: Mapping[str, Convention] = {
     "segments": {
         "upleg": "hip", "upperleg": "hip", "thigh": "hip", "uleg": "hip", "thighbend": "hip",
         "thighstretch": "hip", "legstretch": "knee",
@@ -108,8 +108,8 @@ def resolve_roles(
     `rotations` (F, J, 4) tell which joint of the trunk moves.
     """
     read = [_side_and_core(name) for name in bare_names(names)]
-    roles = _read(read, TRUNK, sided=False)
-    for conventions in (ARMS, LEGS):
+    roles = _read(read, TRUNK_NAMES, sided=False)
+    for conventions in (ARMS_NAMES, LEGS_NAMES):
         limbs = [_read(read, convention, sided=True) for convention in conventions.values()]
         fullest: dict[str, int] = max(limbs, key=len)
         roles |= fullest

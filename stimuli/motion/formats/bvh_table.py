@@ -23,12 +23,12 @@ from stimuli.motion.formats.scan import (
 from stimuli.motion.formats.source import check_size, fault, line_of
 from stimuli.motion.quaternions import Array
 
-Poses = tuple[int, Array, Array]  # how many are wanted, rotations and positions to be filled
+_Poses = tuple[int, Array, Array]  # how many are wanted, rotations and positions to be filled
 _AT_ONCE = 3_000  # numbers
 
 
 @dataclass(frozen=True, eq=False)
-class Table:
+class BvhFrames:
     """Rotations (F, J, 4); the position channels (F, N) of joints, by joint, and the axes of these;
     which frames have a root that is not turned."""
 
@@ -39,9 +39,9 @@ class Table:
     warnings: tuple[str, ...]
 
 
-def read_table(
+def read_bvh_frames(
     path: Path, data: bytes, start: int, tree: Hierarchy, frames: int, fps: float
-) -> Table:
+) -> BvhFrames:
     """The frames from the byte `start` on; InputError when they do not fit the hierarchy."""
     layout = _Layout(tree)
     if layout.width == 0:
@@ -59,7 +59,7 @@ def read_table(
         found = _scanned(path, data, start, layout, poses)
     there = found // layout.width
     note = f"the header says {frames} frames, {there} are there: the first {frames} used"
-    return Table(
+    return BvhFrames(
         rotations=rotations,
         positions={joint: positions[:, own] for joint, own in layout.own.items()},
         moving=layout.axes,
@@ -68,7 +68,7 @@ def read_table(
     )
 
 
-def _plainly(data: bytes, start: int, layout: "_Layout", poses: Poses) -> int | None:
+def _plainly(data: bytes, start: int, layout: "_Layout", poses: _Poses) -> int | None:
     """How many numbers there are, the frames filled in; None where that takes more than Python."""
     frames = poses[0]
     try:
@@ -79,7 +79,7 @@ def _plainly(data: bytes, start: int, layout: "_Layout", poses: Poses) -> int | 
     return found if found >= frames * layout.width else None
 
 
-def _scanned(path: Path, data: bytes, start: int, layout: "_Layout", poses: Poses) -> int:
+def _scanned(path: Path, data: bytes, start: int, layout: "_Layout", poses: _Poses) -> int:
     """How many numbers there are, the frames filled in; InputError where they do not fit."""
     state = new_state(start)
     blocks = number_blocks(path, data, state, layout.at_once, layout.width)
@@ -89,7 +89,7 @@ def _scanned(path: Path, data: bytes, start: int, layout: "_Layout", poses: Pose
 
 
 def _filled(
-    blocks: Iterator[Array], layout: "_Layout", turn: Callable[[Array, Array], None], poses: Poses
+    blocks: Iterator[Array], layout: "_Layout", turn: Callable[[Array, Array], None], poses: _Poses
 ) -> int:
     """How many numbers there are in blocks of whole rows, of which the first are filled in."""
     _, rotations, positions = poses

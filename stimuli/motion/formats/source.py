@@ -21,7 +21,7 @@ _LINE_END = re.compile(LINE_END.encode())
 
 
 @dataclass(frozen=True, eq=False)
-class Source:
+class Take:
     """A motion as its file has it: the file's units, axes and rate.
 
     `offsets[0]` is the root's own offset. `moves` are the positions (F, 3) of joints below the
@@ -79,7 +79,7 @@ def text_bytes(path: Path, data: bytes) -> bytes:
     return data.removeprefix(b"\xef\xbb\xbf").removesuffix(b"\x1a")  # a mark of DOS at the end
 
 
-def decode(path: Path, data: bytes) -> str:
+def text_of(path: Path, data: bytes) -> str:
     """The text of a file, lines ending in one way: UTF-8, UTF-16 with its mark, else Latin-1."""
     text = decoded(text_bytes(path, data))
     for end in ("\r\r\n", "\r\n", "\r"):
@@ -123,17 +123,17 @@ def check_size(path: Path, frames: int, joints: int, fps: float) -> None:
         )
 
 
-def depth_first(source: Source) -> Source:
+def depth_first(take: Take) -> Take:
     """The same motion with its joints in the order in which BVH lists them."""
-    order = depth_first_order(source.parents)
+    order = depth_first_order(take.parents)
     place = np.argsort(order)
-    ends = np.argsort(place[source.end_parents], kind="stable")
+    ends = np.argsort(place[take.end_parents], kind="stable")
     return replace(
-        source,
-        names=tuple(source.names[joint] for joint in order),
-        parents=np.array([-1, *place[source.parents[order[1:]]]]),
-        offsets=source.offsets[order],
-        end_parents=place[source.end_parents][ends],
-        end_offsets=source.end_offsets[ends],
-        rotations=source.rotations[:, order],
+        take,
+        names=tuple(take.names[joint] for joint in order),
+        parents=np.array([-1, *place[take.parents[order[1:]]]]),
+        offsets=take.offsets[order],
+        end_parents=place[take.end_parents][ends],
+        end_offsets=take.end_offsets[ends],
+        rotations=take.rotations[:, order],
     )

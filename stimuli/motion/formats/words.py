@@ -35,7 +35,7 @@ def decimals(words: Sequence[str]) -> list[float] | None:
     return numbers if len(numbers) == len(words) else None
 
 
-def whole(word: str) -> int | None:
+def whole_number(word: str) -> int | None:
     """The whole number that a word is; None when it is none, or has more than 15 digits."""
     return int(word) if _WHOLE.fullmatch(word) else None
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from stimuli.errors import InputError
-from stimuli.motion import forward, load
-from stimuli.motion.formats.source import decode
+from stimuli.motion import forward, load_clip
+from stimuli.motion.formats.source import text_of
 
 SHARED = Path(__file__).resolve().parents[4] / "shared"
 REAL = sorted((SHARED / "motions" / "cmu_asfamc").glob("*.amc"))
@@ -165,13 +165,13 @@ def pair(tmp_path) -> Callable:
 
 
 def places(path: Path) -> np.ndarray:
-    motion = load(path, scale=1.0, up="Y").motion
+    motion = load_clip(path, scale=1.0, up="Y").motion
     return forward(motion.skeleton, motion.rotations, motion.root)[0]
 
 
 def assert_refused(path: Path) -> None:
     with pytest.raises(InputError) as caught:
-        load(path)
+        load_clip(path)
     assert len(str(caught.value).splitlines()) <= 2
     assert len(str(caught.value)) < 1_000
 
@@ -201,7 +201,7 @@ def test_no_line_of_a_skeleton_ends_in_a_traceback(pair, keyword, by):
     for line, instead in ((rf"(^\s*{keyword}\b).*", rf"\g<1> {by}"), (rf"^\s*{keyword}\b.*", by)):
         path = pair(sub(line, instead)(ASF), AMC)
         try:
-            motion = load(path).motion
+            motion = load_clip(path).motion
         except InputError:
             assert_refused(path)
         else:
@@ -210,8 +210,8 @@ def test_no_line_of_a_skeleton_ends_in_a_traceback(pair, keyword, by):
 
 
 def mutate_real(path: Path, pair: Callable) -> None:
-    asf = decode(path, next(path.parent.glob(f"{path.stem.split('_')[0]}.asf")).read_bytes())
-    amc = "\n".join(decode(path, path.read_bytes()).split("\n")[:900])
+    asf = text_of(path, next(path.parent.glob(f"{path.stem.split('_')[0]}.asf")).read_bytes())
+    amc = "\n".join(text_of(path, path.read_bytes()).split("\n")[:900])
     amc = amc[: re.search(r"(?s).*(?=\n\d+\s*\n)", amc).end()] + "\n"
     wanted = places(pair(asf, amc))
     for name, (first, second) in LAYOUTS.items():

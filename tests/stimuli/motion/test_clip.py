@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from stimuli.errors import InputError, InputWarning
-from stimuli.motion import forward, load
+from stimuli.motion import forward, load_clip
 from stimuli.motion import quaternions as quat
 from stimuli.motion.formats.source import check_size
 from stimuli.motion.resample import resampled
@@ -62,7 +62,7 @@ def clip(tmp_path):
 
     def loaded(text: str, name: str = "clip.bvh", **options):
         (tmp_path / name).write_text(text)
-        return load(tmp_path / name, **options)
+        return load_clip(tmp_path / name, **options)
 
     return loaded
 
@@ -391,11 +391,11 @@ def test_a_directory_of_clips_is_warned_of_once_listed_once_and_its_overrides_re
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("default")
         for name in names:
-            load(tmp_path / name)
+            load_clip(tmp_path / name)
     assert len(told) == 1
     assert sorted(calls) == ["iterdir", "read_text"]
     (tmp_path / "overrides.toml").write_text("fps = 60")
-    assert load(tmp_path / "0.bvh").fps == 60
+    assert load_clip(tmp_path / "0.bvh").fps == 60
     assert sorted(calls) == ["iterdir", "read_text", "read_text"]
 
 
@@ -423,4 +423,4 @@ def test_unknown_formats_and_missing_files_are_refused(tmp_path):
     (tmp_path / "a.xyz").write_bytes(b"x")
     for name, told in (("a.xyz", "known format"), ("b.bvh", "none")):
         with pytest.raises(InputError, match=told):
-            load(tmp_path / name)
+            load_clip(tmp_path / name)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from stimuli.motion import end_positions, forward, heading, load
+from stimuli.motion import end_positions, forward, heading, load_clip
 from stimuli.motion import quaternions as quat
 from stimuli.motion.kinematics import _by_levels, _followed, headings, joint_positions, placed
 
@@ -40,7 +40,7 @@ def test_forward_kinematics_is_the_product_of_matrices(bodies):
 
 def test_forward_kinematics_of_captured_motions(motions):
     for name in ("cmu_bvh/05_13.bvh", "other_bvh/rokoko_jesse_dance.bvh"):
-        assert_forward_agrees(load(motions / name).motion, (0, 50, 100))
+        assert_forward_agrees(load_clip(motions / name).motion, (0, 50, 100))
 
 
 def test_forward_broadcasts_over_leading_axes(bodies):
@@ -82,7 +82,7 @@ def test_heading_follows_a_turn_and_placing_moves_all_joints_rigidly(bodies):
 
 
 def test_heading_is_that_of_the_walk(motions):
-    motion = load(motions / "cmu_bvh" / "35_01.bvh").motion
+    motion = load_clip(motions / "cmu_bvh" / "35_01.bvh").motion
     step = motion.root[-1] - motion.root[0]
     yaw = heading(motion.skeleton, motion.rotations[45], motion.root[45])
     facing = np.array([np.sin(yaw), np.cos(yaw)])

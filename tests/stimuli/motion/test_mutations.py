@@ -13,7 +13,7 @@ import pytest
 
 from stimuli.errors import InputError
 from stimuli.motion.formats.bvh import read_bvh
-from stimuli.motion.formats.source import Source, decode
+from stimuli.motion.formats.source import Take, text_of
 
 TWO = """HIERARCHY
 ROOT Hips
@@ -164,11 +164,11 @@ FAULTS: Mapping[str, Change] = {
 }  # fmt: skip
 
 
-def read(text: str | bytes) -> Source:
+def read(text: str | bytes) -> Take:
     return read_bvh(Path("clip.bvh"), text.encode() if isinstance(text, str) else text)
 
 
-def assert_alike(found: Source, wanted: Source) -> None:
+def assert_alike(found: Take, wanted: Take) -> None:
     assert found.parents.tolist() == wanted.parents.tolist()
     assert found.end_parents.tolist() == wanted.end_parents.tolist()
     assert found.fps == wanted.fps
@@ -229,7 +229,7 @@ def test_a_refusal_names_line_and_joint(fault, told):
 
 def mutate_real(path: Path) -> None:
     """Every layout and fault over a captured file."""
-    text = decode(path, path.read_bytes())
+    text = text_of(path, path.read_bytes())
     wanted = read(text)
     for name, change in LAYOUTS.items():
         try:

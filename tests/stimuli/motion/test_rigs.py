@@ -8,7 +8,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from stimuli.errors import InputError
-from stimuli.motion import forward, load
+from stimuli.motion import forward, load_clip
 from stimuli.motion import quaternions as quat
 from stimuli.motion.library import clips_under
 from stimuli.motion.listing import roles_as_overrides
@@ -144,7 +144,7 @@ def read(tmp_path) -> Callable:
     def loaded(rig, **options):
         text = rig if isinstance(rig, str) else rig.text()
         (tmp_path / "clip.bvh").write_text(text, encoding="utf-8")
-        return load(tmp_path / "clip.bvh", **options)
+        return load_clip(tmp_path / "clip.bvh", **options)
 
     return loaded
 
@@ -474,7 +474,7 @@ FAMILIES = (
 
 
 def assert_shape_tells_what_names_do(path) -> None:
-    motion = load(path).motion
+    motion = load_clip(path).motion
     skeleton = motion.skeleton
     found = shape_roles(replace(skeleton, roles={}), motion.rotations, {})
     wrists = {"left_wrist", "right_wrist"} if "lwrist" in skeleton.names else set()

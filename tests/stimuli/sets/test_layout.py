@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from stimuli.errors import InputError
-from stimuli.motion import Library, Motion, load
+from stimuli.motion import Library, Motion, load_clip
 from stimuli.sets import Pairing, SetSpec, clip_motion, resolve
 from stimuli.sets.layout import frame_of_i, lay_out
 from stimuli.transition.footlock import EASE
@@ -176,5 +176,5 @@ def test_captured_clips_fill_six_seconds(motions: Path) -> None:
     spec = SetSpec("cmu", (pairing,), "center-aligned", reference=10, longer=(12,))
     resolved = resolve(spec, library)[0]
     motion = clip_motion(spec, resolved, library, length=22)
-    source = load(motions / "cmu_bvh" / "05_02.bvh").motion
+    source = load_clip(motions / "cmu_bvh" / "05_02.bvh").motion
     np.testing.assert_allclose(motion.root[0], source.root[246 - 90])

@@ -4,7 +4,7 @@ import tomllib
 
 import pytest
 
-from stimuli.motion import load, write_walker
+from stimuli.motion import load_clip, write_walker
 from study.cli import main
 
 
@@ -16,7 +16,7 @@ def walker_file(tmp_path):
 def test_roles_are_printed_as_a_file_of_overrides(walker_file, capsys):
     assert main(["motions", "--roles", str(walker_file)]) == 0
     said = capsys.readouterr()
-    skeleton = load(walker_file).motion.skeleton
+    skeleton = load_clip(walker_file).motion.skeleton
     expected = {role: skeleton.names[joint] for role, joint in skeleton.roles.items()}
     assert tomllib.loads(said.out) == {"roles": expected}
     assert '# left_toe = ""' in said.out
