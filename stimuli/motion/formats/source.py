@@ -97,6 +97,8 @@ def decoded(data: bytes) -> str:
 
 def line_of(data: bytes, place: int) -> int:
     """The number of the line in which a byte lies."""
+    if data.find(b"\r", 0, place) < 0:
+        return 1 + data.count(b"\n", 0, place)
     return 1 + sum(1 for _ in _LINE_END.finditer(data, 0, place))
 
 
