@@ -12,21 +12,33 @@ SYSTEM := xvfb libglu1-mesa libglib2.0-0|libglib2.0-0t64 libasound2|libasound2t6
 	libxcb-keysyms1 libxcb-render-util0 libxcb-shape0 libxcb-xkb1
 SYSTEM_TEST := xdotool chromium|chromium-browser
 
-.PHONY: demo test test-slow lint bench certify-statistics system system-test clean
+.PHONY: demo test test-slow test-portable lint bench certify-statistics samples system system-test clean
 
 demo: system $(READY)
 	$(VENV)/bin/segue demo
 
-test: system-test lint
+test: system-test lint samples
 	$(PYTHON) -m pytest
 
 test-slow: system-test $(READY)
 	$(PYTHON) -m pytest -m slow
 
+# What is sensitive to the machine, as on other processors, for other users and in other places.
+test-portable: system-test samples
+	$(PYTHON) -m tests.portable
+
+# The sample motions that tests and the demo are made for, fetched once.
+samples: $(READY)
+	@$(PYTHON) -c 'import sys; from stimuli.motion import user_library; \
+		sys.exit(not list(user_library().glob("humanoid3d_walk*")))' \
+	|| $(VENV)/bin/segue motions fetch \
+	|| echo "The sample motions cannot be fetched; tests that need them are skipped, and say so."
+
 lint: $(READY)
 	$(PYTHON) -m ruff check .
 	$(PYTHON) -m ruff format --check .
-	$(PYTHON) -m mypy
+	@for system in linux win32 darwin; do \
+		echo "types on $$system:"; $(PYTHON) -m mypy --platform $$system || exit 1; done
 
 bench: system $(READY)
 	$(PYTHON) -m pip install --quiet --constraint constraints.txt --editable '.[bench,opinion]'

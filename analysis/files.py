@@ -17,7 +17,7 @@ def write_atomic(path: Path, content: str | bytes) -> None:
     except OSError as error:
         raise InputError(
             f"{path}: expected a place where a file can be written, found: "
-            f"{error.strerror or error}.\nChoose another, or make that one writable."
+            f"{error.strerror or error}.\nChoose another, or see that there is room to write."
         ) from error
 
 

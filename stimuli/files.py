@@ -1,5 +1,6 @@
 """Files that are whole or absent: written beside their place, synced, then renamed."""
 
+import errno
 import hashlib
 import os
 import tempfile
@@ -7,13 +8,15 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from stimuli.errors import InputError
+from stimuli.errors import UnwritableError
+
+FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)  # there is no room for what is written
 
 
 def write_atomic(path: Path, content: str | bytes) -> None:
     """Write `content` (text as UTF-8) to `path`, which never holds a half-written file.
 
-    Missing directories are made. InputError that names `path` where it cannot be written.
+    Missing directories are made. UnwritableError that names `path` where it cannot be written.
     """
     data = content.encode() if isinstance(content, str) else content
     with _refusals_name(path):
@@ -26,7 +29,7 @@ def write_atomic(path: Path, content: str | bytes) -> None:
                 stream.write(data)
                 stream.flush()
                 os.fsync(stream.fileno())
-            beside.chmod(0o666 & ~_umask())
+            beside.chmod(permitted())
             beside.replace(path)
         except BaseException:
             beside.unlink(missing_ok=True)
@@ -34,7 +37,7 @@ def write_atomic(path: Path, content: str | bytes) -> None:
 
 
 def check_writable(path: Path) -> None:
-    """InputError unless a file can be written to `path`; leaves nothing behind.
+    """UnwritableError unless a file can be written to `path`; leaves nothing behind.
 
     Tried in the nearest directory that is there, since permissions do not tell of a read-only
     disk, nor of what the superuser may not do either.
@@ -59,13 +62,15 @@ def _refusals_name(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise InputError(
+        remedy = "make room on it" if error.errno in FULL else "make that one writable"
+        raise UnwritableError(
             f"{path}: expected a place where a file can be written, found: "
-            f"{error.strerror or error}.\nChoose another, or make that one writable."
+            f"{error.strerror or error}.\nChoose another, or {remedy}."
         ) from error
 
 
-def _umask() -> int:
+def permitted() -> int:
+    """The mode that a new file of this user has; a temporary one has a narrower."""
     mask = os.umask(0)
     os.umask(mask)
-    return mask
+    return 0o666 & ~mask

@@ -1,1 +1,5 @@
-"""The study: protocols, trial order, staircases, observers, the record, the session, the screen."""
+"""The study, in the order in which it comes about, each folder knowing only those before it.
+
+`protocol` (what it is), `trials` (what is asked), `record` (what is kept), `session` (how it is
+run), `screen` (what is seen), `cli` (the commands).
+"""

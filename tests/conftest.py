@@ -1,17 +1,18 @@
-"""What the whole suite shares: where captured motion lies."""
+"""What the whole suite shares: where captured motion lies, and what is said of what is absent."""
 
 from pathlib import Path
 
 import pytest
 
 SHARED = Path(__file__).resolve().parents[2] / "shared" / "motions"
+ABSENT = "captured motion of another licence"
 
 
 @pytest.fixture(scope="session")
 def motions() -> Path:
     """The captured motions kept beside the checkout; they are no part of the project."""
     if not SHARED.is_dir():
-        pytest.skip(f"captured motions are absent: {SHARED}")
+        pytest.skip(ABSENT)
     return SHARED
 
 
@@ -27,3 +28,17 @@ def sample_motions(tmp_path_factory: pytest.TempPathFactory) -> Path:
         except OSError as error:
             pytest.skip(f"the sample motions cannot be fetched: {error}")
     return library
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """One line for all tests that one thing is absent for."""
+    lacking: dict[str, int] = {}
+    for report in terminalreporter.getreports("skipped"):
+        _, _, why = report.longrepr
+        why = why.removeprefix("Skipped: ").splitlines()[0]
+        lacking[why] = lacking.get(why, 0) + 1
+    for why, count in lacking.items():
+        place = f" (it would lie in {SHARED})" if why == ABSENT else ""
+        terminalreporter.write_line(
+            f"{count} test{'s' * (count > 1)} skipped, for want of: {why}{place}"
+        )

@@ -4,12 +4,27 @@ import ast
 import subprocess
 import sys
 import tomllib
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = ("stimuli", "study", "analysis")
+# From the ground up: a module imports from its own floor and those below it.
+FLOORS = (
+    ("stimuli.compiled", "stimuli.errors", "stimuli.files", "stimuli.ties"),
+    ("stimuli.motion",),
+    ("stimuli.transition",),
+    ("stimuli.render",),
+    ("stimuli.sets",),
+    ("study.protocol",),
+    ("study.trials",),
+    ("study.record",),
+    ("study.session",),
+    ("study.screen",),
+    ("study.cli",),
+)
 MODULES = sorted(p for name in PACKAGES for p in (ROOT / name).rglob("*.py"))
 
 
@@ -45,6 +60,66 @@ def test_imports_flow_one_way(path: Path) -> None:
     if parts[:2] != ("stimuli", "render"):
         forbidden |= within(names, "pyrender") | within(names, "OpenGL")
     assert not forbidden
+
+
+def imported_modules() -> dict[str, set[str]]:
+    """Each module with the modules of the three packages that it imports, anywhere in it."""
+    names = {dotted(path): path for path in MODULES}
+    return {name: (imported(path) & set(names)) - {name} for name, path in names.items()}
+
+
+def dotted(path: Path) -> str:
+    parts = path.relative_to(ROOT).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def floor_of(name: str) -> int | None:
+    return next(
+        (n for n, floor in enumerate(FLOORS) if any(within({name}, f) for f in floor)), None
+    )
+
+
+def test_nobody_looks_up_from_their_floor() -> None:
+    upward = [
+        f"{name} imports {other}"
+        for name, others in imported_modules().items()
+        for other in others
+        if (here := floor_of(name)) is not None
+        and (there := floor_of(other)) is not None
+        and there > here
+    ]
+    assert not upward
+
+
+def test_every_module_of_stimuli_and_study_has_a_floor() -> None:
+    roots = {"stimuli", "study"}
+    homeless = [
+        name
+        for name in imported_modules()
+        if name.split(".")[0] in roots and name not in roots and floor_of(name) is None
+    ]
+    assert not homeless
+
+
+def test_no_module_imports_itself_by_way_of_others() -> None:
+    """What a module takes from the package that it is part of is no way out of it."""
+    graph = {
+        name: {other for other in others if not within({name}, other)}
+        for name, others in imported_modules().items()
+    }
+    order = TopologicalSorter(graph)
+    order.prepare()  # raises CycleError, which names the circle
+
+
+def test_a_task_is_named_by_nobody_but_the_table() -> None:
+    tasks = {
+        name
+        for name in imported_modules()
+        if within({name}, "study.trials.tasks") and not name.endswith((".task", ".tasks"))
+    }
+    assert len(tasks) >= 2
+    naming = {name for name, others in imported_modules().items() if others & tasks}
+    assert naming == {"study.trials.tasks"}
 
 
 def test_the_psychometric_functions_need_numpy_and_scipy_only() -> None:

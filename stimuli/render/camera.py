@@ -7,6 +7,7 @@ import numpy as np
 from stimuli.errors import InputError
 from stimuli.render.appearance import Appearance
 from stimuli.render.shapes import Floats
+from stimuli.ties import first_least
 
 VIEWS = {  # name: (angle of the view's line from the heading, side of the azimuth, its say)
     "front-left": (0.0, 1.0, 1.3),
@@ -15,6 +16,7 @@ VIEWS = {  # name: (angle of the view's line from the heading, side of the azimu
     "behind-right": (np.pi, 1.0, 1.0),
 }
 DECIMALS = 4  # of a metre, that a camera's place is rounded to
+EQUAL = 1e-6  # of a metre's inverse: views that show a figure as large but for rounding
 NEAREST = 0.3  # metres between the camera and the nearest point
 
 
@@ -75,7 +77,8 @@ def choose_camera(
         camera = fit_camera(points, heading + line + side * azimuth, look, around)
         return say / float(camera.project(at, look.width, look.height)[1]), camera
 
-    return max(map(seen, names), key=lambda candidate: candidate[0])[1]
+    candidates = [seen(name) for name in names]
+    return candidates[first_least([-say for say, _ in candidates], EQUAL)][1]
 
 
 def fit_camera(points: Floats, yaw: float, look: Appearance, around: float = 0.0) -> Camera:

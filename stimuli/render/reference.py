@@ -15,10 +15,12 @@ from stimuli.motion.kinematics import forward, heading
 from stimuli.motion.quaternions import Array
 from stimuli.motion.skeleton import Motion, Skeleton
 from stimuli.render.posture import head_pitch, usual_posture
+from stimuli.ties import first_least
 
 ARM, THIGH, SHANK, TOES = np.radians([50.0, 7.0, 4.0, 8.0])
 STRAIGHT = np.radians(25.0)
 LOOKED_AT = 200
+EQUAL = 1e-9  # radians²: frames as near to the A-pose, as the two ends of a loop are
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,7 +124,7 @@ def _straightest(motion: Motion) -> int:
         if role in roles and other in roles:
             bone = _unit(positions[:, roles[other]] - positions[:, roles[role]])
             score += np.arccos(np.clip(bone @ wanted, -1, 1)) ** 2
-    return int(frames[np.argmin(score)])
+    return int(frames[first_least(score, EQUAL)])
 
 
 def _swung(skeleton: Skeleton, positions: Array, orientations: Array, neck_tilt: float) -> Array:

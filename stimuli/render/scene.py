@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stimuli.errors import MachineError
 from stimuli.render.appearance import Appearance
 from stimuli.render.bodies import Skin
 from stimuli.render.camera import Camera
@@ -26,6 +27,10 @@ from stimuli.render.rig import moved
 from stimuli.render.shapes import Floats
 
 Frames = NDArray[np.uint8]
+GRAPHICS = (
+    "install libegl1 libegl-mesa0 libgl1 libgl1-mesa-dri (Debian; it needs no screen and no card), "
+    "or render on another machine and bring the set over"
+)
 NEAR, FAR = 0.05, 200.0
 BORDER = 2  # pixels around the figure's box, for its antialiased edge
 
@@ -35,12 +40,8 @@ class Renderer:
 
     def __init__(self, look: Appearance) -> None:
         self.look = look
-        self._pyrender = pyrender = import_pyrender()
-        from pyrender.platforms import egl
-
-        self._platform = egl.EGLPlatform(look.width, look.height, device=egl.get_device_by_index(0))
-        self._platform.init_context()
-        self._platform.make_current()
+        self._pyrender, self._platform = _opened(look)
+        pyrender = self._pyrender
         self._drawing = _drawing(pyrender)(look.width, look.height)
         self._flags = pyrender.RenderFlags.FLAT | pyrender.RenderFlags.OFFSCREEN
         self._background = np.empty((look.height, look.width, 3), dtype=np.uint8)
@@ -95,6 +96,22 @@ class Renderer:
             self._drawing.delete()
             self._platform.delete_context()
             self._platform = None
+
+
+def _opened(look: Appearance) -> tuple[Any, Any]:
+    """pyrender and a current context of its; MachineError where the machine has no OpenGL."""
+    try:
+        pyrender = import_pyrender()
+        from pyrender.platforms import egl
+
+        platform = egl.EGLPlatform(look.width, look.height, device=egl.get_device_by_index(0))
+        platform.init_context()
+        platform.make_current()
+    except Exception as error:  # each driver and binding fails in a way of its own
+        raise MachineError(
+            f"rendering: expected a device for OpenGL by EGL, found none ({error});\n{GRAPHICS}"
+        ) from error
+    return pyrender, platform
 
 
 @contextmanager

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stimuli.errors import InputError
+from stimuli.files import permitted
 
 Frames = NDArray[np.uint8]
 
@@ -33,9 +34,9 @@ def write_video(path: Path, frames: Iterable[Frames], fps: float) -> int:
     beside = Path(name)
     try:
         count = _encode(beside, frames, fps)
-        with beside.open("rb") as written:
+        with beside.open("r+b") as written:
             os.fsync(written.fileno())
-        beside.chmod(0o644)
+        beside.chmod(permitted())
         beside.replace(path)
     except BaseException:
         beside.unlink(missing_ok=True)

@@ -1,10 +1,9 @@
 """Building a set: what is missing is rendered, what is there is kept, nothing is half-written.
 
-A clip's name is the hash of what it is made of: how the body's bones move frame by frame, its
-skin, the camera and the appearance. A clip counts as there when its file and the small document
-beside it are, the document being written last; so an interrupted build goes on where it stopped,
-and a change of anything that shows gives a new name. Clips of earlier builds stay, since records
-may refer to them; `prune` removes them.
+A clip's name is the hash of what it is made of (`naming`), the same on any machine. It counts as
+there when its file and the small document beside it are, the document being written last; so an
+interrupted build goes on where it stopped, and a change of anything that shows gives a new name.
+Clips of earlier builds stay, since records may refer to them; `prune` removes them.
 """
 
 import json
@@ -131,12 +130,13 @@ def _built(
             render_all(list(jobs.values()), workers, done)
         finally:
             _tidy(out)
-    document = _document(spec, groups, out)
-    text = json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    text = json.dumps(_document(spec, groups, out), indent=1, ensure_ascii=False, allow_nan=False)
+    text += "\n"
     path = out / NAME
     if not path.exists() or path.read_text(encoding="utf-8") != text:
         write_atomic(path, text)
-    return replace(from_document(out, document), rendered=len(jobs))
+    # What a later `load_manifest` gives: tuples and lists are one thing on the disk.
+    return replace(from_document(out, json.loads(text)), rendered=len(jobs))
 
 
 def _tidy(out: Path) -> None:

@@ -1,10 +1,8 @@
 """A group of clips planned: every clip laid out, one body, one camera, and what goes on record."""
 
-import hashlib
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -13,18 +11,15 @@ from numpy.typing import NDArray
 from stimuli.errors import InputWarning
 from stimuli.motion.clip import Clip
 from stimuli.motion.library import Library
-from stimuli.motion.skeleton import Motion
 from stimuli.render.bodies import Body, bone_motion, make_body
 from stimuli.render.camera import Camera
 from stimuli.render.clip import group_camera
 from stimuli.sets.ends import end_displacements
 from stimuli.sets.layout import LaidOut, lay_out
-from stimuli.sets.manifest import digest
+from stimuli.sets.naming import RECIPE, clip_names, joining, motion_digest, same_pictures
 from stimuli.sets.plan import ResolvedPairing
 from stimuli.sets.spec import SetSpec
 from stimuli.transition.measures import measures
-
-DIGITS = 24  # of the hash that names a clip
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,24 +56,39 @@ def plan_group(spec: SetSpec, resolved: ResolvedPairing, library: Library) -> Pl
     source = library.load(pairing.from_clip)
     body = _body(source, look.body)
     camera = group_camera(body, [clip.motion for clip in laid], look, laid[0].at)
-    made_of = {
-        "body": body_digest(body),
-        "camera": asdict(camera),
-        "appearance": asdict(look),
-        "fps": spec.fps,
-    }
+    names = _names(spec, resolved, library, laid)
     reference = next(
         clip for (_, length), clip in zip(kinds, laid, strict=True) if length == resolved.anchor
     )
     clips = tuple(
-        _planned(spec, resolved, method, clip, reference, bone_motion(body, clip.motion), made_of)
-        for (method, _), clip in zip(kinds, laid, strict=True)
+        _planned(spec, resolved, method, clip, reference, bone_motion(body, clip.motion), name)
+        for (method, _), clip, name in zip(kinds, laid, names, strict=True)
     )
     if len({clip.hash for clip in clips}) < len(clips):
         _warn_of_copies(spec, pairing.name, kinds, clips)
     return PlannedGroup(
         pairing.name, body, camera, clips, _group_document(resolved, library, camera, body)
     )
+
+
+def _names(
+    spec: SetSpec, resolved: ResolvedPairing, library: Library, laid: Sequence[LaidOut]
+) -> list[str]:
+    """Names of a group's clips in order; clips that nobody could tell apart have one name."""
+    pairing = resolved.pairing
+    firsts = same_pictures([clip.motion for clip in laid])
+    made_of = {
+        "from": [motion_digest(library.load(pairing.from_clip).motion), pairing.from_frame],
+        "to": [motion_digest(library.load(pairing.to_clip).motion), pairing.to_frame],
+        "specification": spec.specification,
+        "smooth": spec.smooth,
+        "foot_lock": spec.foot_lock,
+        "at": laid[0].at,
+        "frames": spec.frames,
+        "fps": spec.fps,
+        "appearance": asdict(spec.appearance),
+    }
+    return clip_names(made_of, [joining(laid[first].transition) for first in firsts])
 
 
 def _warn_of_copies(
@@ -107,9 +117,8 @@ def _planned(
     clip: LaidOut,
     reference: LaidOut,
     bones: NDArray[np.float32],
-    made_of: Mapping[str, Any],
+    name: str,
 ) -> PlannedClip:
-    name = digest({"bones": array_digest(bones), **made_of})[:DIGITS]
     remark = resolved.remarks.get(method) if method else None
     document = {
         "motion": resolved.name,
@@ -122,17 +131,16 @@ def _planned(
         "mixed": list(clip.mixed),
         "first_altered": clip.altered,
         "measures": {
-            name: value if value is None else round(value, 6)
-            for name, value in {
+            key: value if value is None else round(value, 6)
+            for key, value in {
                 **measures(clip.transition, reference.transition),
                 **end_displacements(clip, reference),
             }.items()
         },
         "report": _plain(clip.transition.report),
         "warnings": [remark] if remark else [],
-        "motion_sha256": motion_digest(clip.motion),
-        "body_sha256": made_of["body"],
-        "appearance": made_of["appearance"],
+        "recipe": RECIPE,
+        "appearance": asdict(spec.appearance),
     }
     return PlannedClip(name, clip, bones, document)
 
@@ -144,7 +152,13 @@ def _group_document(
 
     def source(name: str, frame: int) -> dict[str, Any]:
         clip = library.load(name)
-        return {"clip": name, "path": str(clip.path), "sha256": clip.sha256, "frame": frame}
+        return {
+            "clip": name,
+            "path": str(clip.path),
+            "sha256": clip.sha256,
+            "motion": motion_digest(clip.motion),
+            "frame": frame,
+        }
 
     return {
         "category": pairing.category,
@@ -155,7 +169,6 @@ def _group_document(
         "to": source(pairing.to_clip, pairing.to_frame),
         "camera": asdict(camera),
         "body": {
-            "sha256": body_digest(body),
             "reference_frame": body.rig.reference.frame,
             "neck_tilt": round(float(np.degrees(body.rig.reference.neck_tilt)), 2),
             "head_pitch": round(float(np.degrees(body.rig.reference.head_pitch)), 2),
@@ -185,26 +198,3 @@ def _body(clip: Clip, style: str) -> Body:
     if key not in _BODIES:
         _BODIES[key] = make_body(clip.motion, style)
     return _BODIES[key]
-
-
-def motion_digest(motion: Motion) -> str:
-    """SHA-256 of a motion's poses, to a tenth of a millimetre and of a milliradian or so.
-
-    A quaternion and its negative are one rotation and have one digest.
-    """
-    signs = np.where(motion.rotations[..., :1] < 0, -1.0, 1.0)
-    return array_digest(motion.skeleton.offsets, motion.rotations * signs, motion.root)
-
-
-@lru_cache(maxsize=64)
-def body_digest(body: Body) -> str:
-    """SHA-256 of a body's skin and weights, to a tenth of a millimetre."""
-    return array_digest(body.skin.points, body.skin.faces, body.skin.weights, body.skin.openness)
-
-
-def array_digest(*arrays: np.ndarray) -> str:
-    """SHA-256 of arrays rounded to four decimals."""
-    sha = hashlib.sha256()
-    for array in arrays:
-        sha.update(np.rint(np.asarray(array, dtype=float) * 1e4).astype(np.int64).tobytes())
-    return sha.hexdigest()

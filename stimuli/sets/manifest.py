@@ -1,6 +1,5 @@
 """What a session knows of a stimulus set: one JSON document beside the clips."""
 
-import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -8,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from stimuli.errors import InputError
+from stimuli.sets.naming import digest
 
 FORMAT = 1
 NAME = "manifest.json"
@@ -104,19 +104,11 @@ def _entry(directory: Path, clip: Mapping[str, Any]) -> ClipEntry:
 
 
 def set_hash(document: Mapping[str, Any]) -> str:
-    """Hash of what a set shows: its pairings and the pictures of every clip, in order."""
-    shown = {
-        "pairings": document["pairings"],
-        "clips": [
-            [clip["motion"], clip["method"], clip["length"], clip["frames_sha256"]]
-            for clip in document["clips"]
-        ],
-        "fps": document["fps"],
-    }
-    return digest(shown)
+    """Hash of what a set shows: the names of its clips, in order, and what each is of.
 
-
-def digest(document: Any) -> str:
-    """SHA-256 of a JSON document in canonical form, in hexadecimal."""
-    canonical = json.dumps(document, sort_keys=True, separators=(",", ":"), allow_nan=False)
-    return hashlib.sha256(canonical.encode()).hexdigest()
+    As names it is the same on any machine and wherever clips and sets lie. What one machine drew,
+    pixel for pixel, is the `frames_sha256` of each clip.
+    """
+    shown = [[clip["motion"], clip["method"], clip["length"], clip["hash"]]
+             for clip in document["clips"]]  # fmt: skip
+    return digest({"clips": shown, "fps": document["fps"]})

@@ -17,6 +17,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stimuli.errors import MachineError
+from stimuli.files import FULL
 from stimuli.render.appearance import Appearance
 from stimuli.render.bodies import Skin
 from stimuli.render.camera import Camera
@@ -54,7 +56,7 @@ class Rendered:
 def render_all(jobs: Sequence[Job], workers: int | None, done: Callable[[Rendered], None]) -> None:
     """Render jobs in `workers` processes (default: all cores); `done` is called for each.
 
-    RuntimeError when a worker fails or dies; clips rendered before stay.
+    MachineError or RuntimeError when a worker fails or dies; clips rendered before stay.
     """
     count = min(workers or os.cpu_count() or 1, len(jobs))
     with _started(count) as team:
@@ -78,7 +80,12 @@ def _received(pipe: Connection) -> Rendered:
     try:
         result = pipe.recv()
     except EOFError:
-        raise RuntimeError("a rendering process died; the clips rendered so far are kept") from None
+        raise MachineError(
+            "rendering: a process died, as when memory runs out; the clips rendered so far are "
+            "kept.\nRun it again, with --workers 1 where memory is short; `segue doctor` says more"
+        ) from None
+    if isinstance(result, MachineError):
+        raise result
     if isinstance(result, BaseException):
         raise RuntimeError(f"rendering failed: {result}") from result
     assert isinstance(result, Rendered)
@@ -89,7 +96,8 @@ def _received(pipe: Connection) -> Rendered:
 def _started(count: int) -> Iterator[tuple[Connection, ...]]:
     """Pipes to `count` workers, which end when the block does, killed if it fails."""
     context = multiprocessing.get_context("spawn")
-    pipes, processes = [], []
+    pipes: list[Any] = []  # of another type on each system
+    processes = []
     with _environment(ENVIRONMENT):
         for _ in range(count):
             here, there = context.Pipe()
@@ -141,10 +149,13 @@ def _work(pipe: Connection) -> None:
             if drawing is None or drawing.look != job.look:
                 if drawing is not None:
                     drawing.close()
+                    drawing = None
                 drawing = Renderer(job.look)
             pipe.send(_outcome(job, drawing))
     except (BrokenPipeError, KeyboardInterrupt):
         return
+    except MachineError as error:
+        pipe.send(error)
     finally:
         if drawing is not None:
             drawing.close()
@@ -174,5 +185,10 @@ def _outcome(job: Job, drawing: Any) -> Rendered | BaseException:
         drawing.show(job.skin, job.camera)
         count = write_video(job.path, frames(), job.fps)
     except Exception as error:
+        if isinstance(error, OSError) and error.errno in FULL:
+            return MachineError(
+                f"{job.path.parent}: expected room for a clip, found none ({error.strerror}); the "
+                "clips rendered so far are kept.\nMake room on that disk, and run it again"
+            )
         return RuntimeError(f"{job.path.name}: {type(error).__name__}: {error}")
     return Rendered(job.path, count, sha.hexdigest())

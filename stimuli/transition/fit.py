@@ -9,6 +9,7 @@ from stimuli.errors import InputError
 from stimuli.motion.quaternions import Array
 from stimuli.motion.roles import LIMBS
 from stimuli.motion.skeleton import Motion
+from stimuli.ties import ROUNDING
 from stimuli.transition.distance import check_pair, joint_rotations, joint_velocities, root_cost
 from stimuli.transition.points import TRIVIAL, Point, cheapest
 from stimuli.transition.weights import SIDES, Weights, tied
@@ -214,7 +215,7 @@ def _best_points(
         for row, weights in enumerate(sets):
             cost = root + np.tensordot(weights, distances, axes=1)
             found, held = cheapest(cost, before - first, after), best[row]
-            if found is not None and (held is None or found.cost < held.cost):
+            if found is not None and (held is None or found.cost < held.cost - ROUNDING):
                 best[row] = Point(found.i + first, found.j, found.cost)
         tell(last / len(a))
     found_all = [point for point in best if point is not None]

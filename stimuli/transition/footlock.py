@@ -10,9 +10,19 @@ import numpy as np
 from stimuli.motion import quaternions as quat
 from stimuli.motion.quaternions import Array
 from stimuli.motion.skeleton import Motion, Skeleton
-from stimuli.transition.hold import EASE, SETTLE, corrections, touching
+from stimuli.transition.hold import EASE, SETTLE, corrections, slid, touching
 from stimuli.transition.ik import bend_axis, reach_out
-from stimuli.transition.plants import SIDES, Contacts, LegPose, contacts, leg_pose, legs_of, runs
+from stimuli.transition.plants import (
+    LEVEL,
+    SIDES,
+    Contacts,
+    LegPose,
+    contacts,
+    floor_steps,
+    leg_pose,
+    legs_of,
+    runs,
+)
 from stimuli.transition.reach import SINKING, reached, sinking
 from stimuli.transition.window import Window
 
@@ -32,20 +42,22 @@ def lock_feet(motion: Motion, a: Motion, b: Motion, window: Window) -> Motion:
         return motion
     rows = slice(first, min(first + max(lasts) + SETTLE + SINKING + 1, len(motion)))
     pose = leg_pose(motion, rows)
-    steps = _steps(pose, carried.on_toe[: len(pose.toe)])
+    steps = floor_steps(pose, carried.on_toe[: len(pose.toe)])
+    own = quat.rotate(pose.foot, carried.steps[: len(steps)]) * LEVEL
+    slides = slid(steps, own)
     ends = rows.stop == len(motion)
 
-    def corrected(side: int, within: Array) -> Array:
-        return corrections(steps[:, side], plants[side], *blend, ends, within)
+    def corrected(side: int, within: Array, short: Array) -> Array:
+        return corrections(slides[:, side], plants[side], *blend, ends, within, short)
 
-    everywhere = np.full((len(steps), 3), np.nan)
-    shift = np.stack([corrected(side, everywhere) for side in range(len(SIDES))], axis=1)
+    nowhere, never = np.zeros((len(steps), 3)), np.zeros(len(steps))
+    shift = np.stack([corrected(side, nowhere, never) for side in range(len(SIDES))], axis=1)
     leg = pose.ankle - pose.hip
     whole = quat.norm(pose.knee - pose.hip) + quat.norm(pose.ankle - pose.knee)
     drop = sinking(leg, whole, shift, blend[0])
-    within = reached(leg, whole, shift, drop)
-    for side in np.flatnonzero(np.any(~np.isnan(within), axis=(0, 2))):
-        shift[:, side] = corrected(side, within[:, side])
+    within, short = reached(leg, whole, shift, drop)
+    for side in np.flatnonzero(np.any(short > 0, axis=0)):
+        shift[:, side] = corrected(side, within[:, side], short[:, side])
     touched = np.flatnonzero(np.any(shift != 0, axis=(1, 2)) | (drop > 0))
     if not len(touched):
         return motion
@@ -68,16 +80,8 @@ def _carried(a: Contacts, b: Contacts, window: Window, rows: slice) -> Contacts:
     rules = (weight > 0.5)[:, None]
     stands = np.where(rules, b.stands[there], a.stands[here])
     part = weight[:, None]
-    return Contacts(stands, (1 - part) * a.on_toe[here] + part * b.on_toe[there])
-
-
-def _steps(pose: LegPose, on_toe: Array) -> Array:
-    """Steps (N, 2, 3) over the floor of that part of either foot that bears it."""
-    steps = np.zeros_like(pose.ankle)
-    part = 0.5 * (on_toe[1:] + on_toe[:-1])[..., None]
-    steps[1:] = part * np.diff(pose.toe, axis=0) + (1 - part) * np.diff(pose.ankle, axis=0)
-    steps[..., 1] = 0.0
-    return steps
+    steps = np.where(rules[..., None], b.steps[there], a.steps[here])
+    return Contacts(stands, (1 - part) * a.on_toe[here] + part * b.on_toe[there], steps)
 
 
 def _part(pose: LegPose, part: slice) -> LegPose:
@@ -88,7 +92,8 @@ def _moved(skeleton: Skeleton, rotations: Array, pose: LegPose, shift: Array, dr
     """Local rotations (N, J, 4): the body sunk, the ankles moved, the feet turned as they were."""
     legs = legs_of(skeleton)
     hips, knees, ankles = legs.joints
-    hinge, side = bend_axis(pose.knee - pose.hip, pose.ankle - pose.knee, pose.thigh)
+    across = np.broadcast_to(pose.hip[:, :1] - pose.hip[:, 1:], pose.hip.shape)
+    hinge, side = bend_axis(pose.knee - pose.hip, pose.ankle - pose.knee, pose.thigh, across)
     # a body that sinks takes its ankles along, which are brought back up
     target = pose.ankle + shift
     target[..., 1] += drop[:, None]

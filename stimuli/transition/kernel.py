@@ -43,10 +43,9 @@ def _compiled() -> Callable[..., Any]:
     """The loop, compiled on the first call and cached on disk."""
     import numba
 
-    # sets of clips are built by forked processes
-    numba.config.THREADING_LAYER = "forksafe"  # type: ignore[attr-defined]
+    from stimuli.compiled import compiled
 
-    @numba.njit(parallel=True, fastmath=True, cache=True, error_model="numpy")
+    @compiled(parallel=True, fastmath=True, error_model="numpy")
     def fill(p: Single, q: Single, c: Single, total: Single) -> None:
         zero = np.float32(0.0)
         for i in numba.prange(p.shape[0]):

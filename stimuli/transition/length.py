@@ -9,6 +9,7 @@ import numpy as np
 from stimuli.errors import InputError
 from stimuli.motion.quaternions import Array
 from stimuli.motion.skeleton import Motion
+from stimuli.ties import first_least
 from stimuli.transition.distance import pose_distance
 from stimuli.transition.weights import Weights
 from stimuli.transition.window import LONGEST, Fits, Window, specified
@@ -76,7 +77,7 @@ def length_geodesic(
     costs = np.where(room, costs, np.nan)
     if np.all(np.isnan(costs)):
         raise no_room(i, j)
-    best = int(np.nanargmin(costs))
+    best = first_least(costs)
     return Length(best + 1, {"costs": costs, "cost": float(costs[best])})
 
 

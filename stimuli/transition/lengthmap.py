@@ -13,12 +13,13 @@ import numpy as np
 
 from stimuli.motion.quaternions import Array
 from stimuli.motion.skeleton import Motion
+from stimuli.ties import ROUNDING
 from stimuli.transition.distance import pose_distance
 from stimuli.transition.weights import Weights
 from stimuli.transition.window import LONGEST, specified
 
 _MANY = 1_000_000  # cells; below, loading the compiler costs more than it saves
-_ROUNDING = 1e-14  # of the largest sum: means that differ by less, as sums round, are tied
+_SUMS = 1e-14  # of the largest sum, by which sums round beyond what costs do
 _STRIP = 256  # cells whose best stays in a core's nearest memory over all lengths
 # For each piece: its length b, where it starts and how many cells it has, from (i, j)
 Pieces = tuple[tuple[int, int, int, int], ...]
@@ -41,7 +42,7 @@ def lengths_of(distance: np.ndarray, specification: str) -> tuple[np.ndarray, Ar
     frames = np.zeros(distance.shape, dtype=np.int64)
     least = np.full(distance.shape, np.inf)
     pieces = _PIECES[specification]
-    tie = _ROUNDING * float(sums.max())
+    tie = max(ROUNDING, _SUMS * float(sums.max()))
     if distance.size > _MANY:
         _compiled()(sums, np.array(pieces), tie, frames, least)
         return frames, least
@@ -87,9 +88,9 @@ def _compiled() -> Callable[..., Any]:
     """The same loop on all cores, strip by strip of a row, compiled on the first call."""
     import numba
 
-    numba.config.THREADING_LAYER = "forksafe"  # type: ignore[attr-defined]
+    from stimuli.compiled import compiled
 
-    @numba.njit(parallel=True, cache=True, error_model="numpy")
+    @compiled(parallel=True, error_model="numpy")
     def fill(sums: Array, pieces: np.ndarray, tie: float, frames: np.ndarray, least: Array) -> None:
         height, width = frames.shape
         for i in numba.prange(height):

@@ -10,11 +10,13 @@ from stimuli.errors import InputError
 from stimuli.motion import quaternions as quat
 from stimuli.motion.quaternions import Array
 from stimuli.motion.skeleton import Motion, Skeleton
+from stimuli.ties import first_least
 
 SPEED = 0.45  # metres a second below which a foot stands: heel roll and toe roll included
 HEIGHT = 0.10  # metres above the lowest that the same point comes to
 SHORTEST = 2  # frames
 SIDES = ("left", "right")
+LEVEL = np.array([1.0, 0.0, 1.0])  # keeps what of a vector lies on the floor
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +83,7 @@ def _toe(skeleton: Skeleton, side: str, ankle: int) -> Array:
     if f"{side}_toe" in skeleton.roles:
         return skeleton.offsets[skeleton.roles[f"{side}_toe"]]
     ends = skeleton.end_offsets[skeleton.end_parents == ankle]
-    return ends[np.argmax(np.linalg.norm(ends, axis=1))] if len(ends) else np.zeros(3)
+    return ends[first_least(-np.linalg.norm(ends, axis=1))] if len(ends) else np.zeros(3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,10 +91,12 @@ class Contacts:
     """For left and right: whether the foot stands (F, 2), and how far its toe bears it (F, 2).
 
     The part is 1 where the toe is still and the ankle moves, 0 where it is the other way round.
+    `steps` (F, 2, 3) are those into every frame of what bears the foot, in the foot's own frame.
     """
 
     stands: np.ndarray
     on_toe: Array
+    steps: Array
 
 
 def leg_pose(motion: Motion, frames: slice) -> LegPose:
@@ -118,6 +122,17 @@ def leg_pose(motion: Motion, frames: slice) -> LegPose:
     )
 
 
+def floor_steps(pose: LegPose, on_toe: Array) -> Array:
+    """Steps (N, 2, 3) over the floor of that part of either foot that bears it; none into frame 0.
+
+    `on_toe` (N, 2) is the toe's part.
+    """
+    steps = np.zeros_like(pose.ankle)
+    part = 0.5 * (on_toe[1:] + on_toe[:-1])[..., None]
+    steps[1:] = part * np.diff(pose.toe, axis=0) + (1 - part) * np.diff(pose.ankle, axis=0)
+    return steps * LEVEL
+
+
 _KNOWN: WeakKeyDictionary[Motion, Contacts] = WeakKeyDictionary()
 
 
@@ -138,7 +153,9 @@ def _found(motion: Motion) -> Contacts:
         speeds.append((speed + 1e-6) ** 2)
     stands = (slow[0] | slow[1]).T
     steady = np.stack([_without_flicker(side) for side in stands], axis=-1)
-    return Contacts(steady, speeds[0] / (speeds[0] + speeds[1]))
+    on_toe = speeds[0] / (speeds[0] + speeds[1])
+    steps = quat.rotate(quat.inverse(pose.foot), floor_steps(pose, on_toe))
+    return Contacts(steady, on_toe, steps)
 
 
 def runs(flags: np.ndarray) -> list[tuple[int, int]]:

@@ -10,6 +10,7 @@ import numpy as np
 from stimuli.files import write_atomic
 from stimuli.motion.quaternions import Array
 from stimuli.motion.skeleton import Motion
+from stimuli.ties import first_least
 from stimuli.transition.curves import joint_curves
 from stimuli.transition.length import geodesic_costs
 from stimuli.transition.points import Point
@@ -34,7 +35,7 @@ def draw_lengths(
     whole, each = figure.subplots(2, 1, sharex=True)
     costs = geodesic_costs(a, b, i, j, specification)
     frames = np.arange(1, len(costs) + 1)
-    best = int(np.nanargmin(costs))
+    best = first_least(costs)
     whole.plot(frames, costs, color="black")
     # a legend finds room inside the panel wherever the optimum lies
     told = _optimum(best + 1, a.fps)
@@ -50,7 +51,7 @@ def draw_lengths(
         side, _, limb = role.partition("_")
         dash, mark = _LOOKS[limb]
         each.plot(
-            frames, curve, ls=dash, marker=mark, ms=4, markevery=[int(np.nanargmin(curve))],
+            frames, curve, ls=dash, marker=mark, ms=4, markevery=[first_least(curve)],
             color=_LEFT if side == "left" else _RIGHT, label=role, clip_on=False,
         )  # fmt: skip
     each.set_ylabel("mean distance of each joint (rad²)")

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stimuli.motion.quaternions import Array
+from stimuli.ties import ROUNDING, first_least, ranks
 
 TRIVIAL = 15  # frames: half a second around the diagonal a motion goes on into itself
 
@@ -28,17 +29,19 @@ def local_minima(cost: Array, before: int = 0, after: int = 0, trivial: int = -1
     lower = np.full(cost.shape, False)
     for di, dj in _NEIGHBOURS:
         here, there = _overlap(cost.shape, di, dj)
-        lower[here] |= cost[there] < cost[here]
+        lower[here] |= cost[there] < cost[here] - ROUNDING
     allowed = _allowed(cost.shape, before, after, trivial)
     cells = np.argwhere(_plateaus(cost, lower, allowed))
     found = [Point(int(i), int(j), float(cost[i, j])) for i, j in cells]
-    return sorted(found, key=lambda point: (point.cost, point.i, point.j))
+    levels = ranks([point.cost for point in found])
+    places = sorted(range(len(found)), key=lambda n: (levels[n], found[n].i, found[n].j))
+    return [found[n] for n in places]
 
 
 def cheapest(cost: Array, before: int = 0, after: int = 0, trivial: int = -1) -> Point | None:
     """The cheapest cell that qualifies, the first of equals; None when none does."""
     allowed = np.where(_allowed(cost.shape, before, after, trivial), cost, np.inf)
-    i, j = np.unravel_index(int(np.argmin(allowed)), cost.shape)
+    i, j = np.unravel_index(first_least(allowed), cost.shape)
     if not np.isfinite(allowed[i, j]):
         return None
     return Point(int(i), int(j), float(cost[i, j]))
@@ -100,7 +103,7 @@ def _plateaus(cost: Array, lower: np.ndarray, allowed: np.ndarray) -> np.ndarray
     spoiled = np.full(cost.shape, False)  # in a region that goes on to where a neighbour is lower
     for di, dj in _NEIGHBOURS:
         here, there = _overlap(cost.shape, di, dj)
-        spoiled[here] |= (cost[there] == cost[here]) & lower[there]
+        spoiled[here] |= (np.abs(cost[there] - cost[here]) <= ROUNDING) & lower[there]
     regions, count = label(~lower, np.ones((3, 3), dtype=int))
     sound = np.full(count + 1, True)
     sound[regions[spoiled]] = False

@@ -9,6 +9,8 @@ from stimuli.motion.quaternions import Array
 EASY = 0.992  # of a leg's whole length: as far as it reaches without being straightened
 DEEPEST = 0.03  # metres that a body sinks at the most, about as far as in any step
 NEAREST = 0.5  # of its distance from the hip: a foot is moved no farther than this
+SHORT = 0.01  # metres out of reach from which on a place is not held at all
+LEAST = 1e-6  # metres for which no body sinks
 SINKING = 10  # frames over which it sinks and rises
 _SOFT = np.hanning(SINKING + 3)[1:-1] / np.hanning(SINKING + 3).sum()
 
@@ -26,7 +28,7 @@ def sinking(leg: Array, whole: Array, shift: Array, start: int) -> Array:
     allowed = np.square(np.maximum(now, EASY * whole))
     above = np.sqrt(np.maximum(allowed - across, 0.0))
     needed = np.where(np.any(shift != 0, axis=-1), -away[..., 1] - above, 0.0).max(axis=1)
-    needed = np.clip(needed, 0.0, DEEPEST)
+    needed = np.clip(needed - LEAST, 0.0, DEEPEST)
     needed[:start] = 0.0
     if not needed.any():
         return needed
@@ -34,18 +36,31 @@ def sinking(leg: Array, whole: Array, shift: Array, start: int) -> Array:
     return np.asarray(convolve1d(largest, _SOFT, mode="nearest"))
 
 
-def reached(leg: Array, whole: Array, shift: Array, drop: Array) -> Array:
+def reached(leg: Array, whole: Array, shift: Array, drop: Array) -> tuple[Array, Array]:
     """What legs reach of `shift` (N, 2, 3) along the floor from a body that sank by `drop` (N,).
 
-    NaN where that is all of it. A foot that were placed beyond would leave the floor.
+    And how far (N, 2) that is short of it: 0 where it is all of it, 1 from SHORT metres on. A foot
+    that were placed beyond would leave the floor. A body sinks to where a leg just reaches, which
+    rounding makes a little more or less: so nothing hangs on whether anything is missing, only on
+    how much.
     """
     now, size = quat.norm(leg), quat.norm(shift)
     part = NEAREST * now / np.maximum(size, 1e-9)
     lowered = leg.copy()
     lowered[..., 1] += drop[:, None]
     room = np.square(np.maximum(now, EASY * whole)) - np.square(quat.norm(lowered))
-    along, square = np.vecdot(lowered, shift), np.maximum(np.square(size), 1e-18)
+    along = np.vecdot(lowered, shift) / np.maximum(size, 1e-9)
     # the larger root of |lowered + part · shift|² = allowed²
-    root = (np.sqrt(np.maximum(along**2 + square * room, 0.0)) - along) / square
-    part = np.clip(np.minimum(part, root), 0.0, 1.0)[..., None]
-    return np.where((part < 1.0) & (size[..., None] > 1e-4), part * shift, np.nan)
+    root = (_gentle_root(along**2 + room) - along) / np.maximum(size, 1e-9)
+    part = np.clip(np.minimum(part, root), 0.0, 1.0)
+    return part[..., None] * shift, np.minimum((1.0 - part) * size / SHORT, 1.0)
+
+
+def _gentle_root(square: Array) -> Array:
+    """Square root (N, 2) that goes on straight, metres, to nothing where a place is out of reach.
+
+    A root itself would turn the last digits of a place that is just out of reach into millimetres.
+    """
+    edge = SHORT**2
+    line = np.maximum(square + edge, 0.0) / (2 * SHORT)
+    return np.where(square > edge, np.sqrt(np.maximum(square, edge)), line)

@@ -9,6 +9,7 @@ import numpy as np
 
 from stimuli.motion.quaternions import Array
 from stimuli.motion.skeleton import Motion, Skeleton
+from stimuli.ties import first_least
 from stimuli.transition.blend import blend_weighted, smoothstep
 from stimuli.transition.curves import joint_curves
 from stimuli.transition.join import Join, Joined
@@ -21,7 +22,7 @@ def length_per_joint(a: Motion, b: Motion, i: int, j: int, specification: str) -
     curves = joint_curves(a, b, i, j, specification)
     if any(np.all(np.isnan(curve)) for curve in curves.values()):
         raise no_room(i, j)
-    schedule = {role: int(np.nanargmin(curve)) + 1 for role, curve in curves.items()}
+    schedule = {role: first_least(curve) + 1 for role, curve in curves.items()}
     return Length(max(schedule.values()), {"schedule": schedule})
 
 

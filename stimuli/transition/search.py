@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from stimuli.motion.quaternions import Array
 from stimuli.motion.skeleton import Motion
+from stimuli.ties import ROUNDING, ranks
 from stimuli.transition.distance import (
     MANY,
     check_pair,
@@ -25,6 +26,7 @@ from stimuli.transition.kernel import fused_angles
 from stimuli.transition.points import TRIVIAL
 from stimuli.transition.weights import Weights, weighted_joints
 
+SPARE = 32  # points more than wanted that are kept, since equal ones are put in order at the end
 BLOCK = 2048  # frames on a side: a block takes some hundred megabytes at the most
 
 
@@ -68,6 +70,10 @@ def search(
     `before` frames must lie before i and `after` behind j. Where a motion meets itself, points
     within `trivial` frames of the diagonal are left out. `progress` is told how many blocks of
     `blocks(...)` are done. Memory goes with the frames and with one block.
+
+    Points of one cost but for rounding stand in the order of their places. Which cell of several
+    that are level is the least is found in single precision where there are many: to 1e-5, and the
+    same on one machine alone.
     """
     check = [*from_motions, *to_motions]
     for other in check[1:]:
@@ -77,10 +83,11 @@ def search(
     columns = _gathered(to_motions, weights, velocity_weight, level, lambda m: (0, len(m) - after))
     scale = weighted_joints(check[0].skeleton, weights)[1]
     same = np.array([[a.same_as(b) for b in to_motions] for a in from_motions])
+    kept = count + SPARE
     best: list[tuple[float, tuple[int, int]]] = []  # a heap of the cheapest, the dearest on top
     for done, (top, left) in enumerate(_corners(len(rows.frame), len(columns.frame), block), 1):
         cost, corner = _block(rows, columns, top, left, block, scale)
-        if len(best) < count:  # a hundredth of a block is likely to hold as many as are wanted
+        if len(best) < kept:  # a hundredth of a block is likely to hold as many as are wanted
             limits = [float(np.quantile(cost[::7, ::7], 0.01)), np.inf]
         else:
             limits = [-best[0][0]]
@@ -88,18 +95,30 @@ def search(
             cells = _below(cost, limit, top - corner[0], left - corner[1], block)
             cells = cells[_sound(rows, columns, cells + np.array(corner), same, trivial)]
             cells = cells[_are_minima(cost, cells, rows, columns, corner)]
-            if len(cells) >= count:
+            if len(cells) >= kept:
                 break
-        _keep(best, count, cost[tuple(cells.T)], cells + np.array(corner))
+        _keep(best, kept, cost[tuple(cells.T)], cells + np.array(corner))
         if progress:
             progress(done)
+    places = np.array([place for _, place in best]).reshape(-1, 2).T
+    costs = _costs(rows, columns, places[0], places[1], scale)
+    levels = ranks(costs.tolist())
+    order = sorted(range(len(best)), key=lambda n: (levels[n], best[n][1]))[:count]
     return [
         Found(
-            max(-negative, 0.0), int(rows.motion[r]), int(rows.frame[r]),
+            float(costs[n]), int(rows.motion[r]), int(rows.frame[r]),
             int(columns.motion[c]), int(columns.frame[c]),
         )
-        for negative, (r, c) in sorted(best, key=lambda entry: (-entry[0], entry[1]))
+        for n, (r, c) in ((n, best[n][1]) for n in order)
     ]  # fmt: skip
+
+
+def _costs(rows: _Frames, columns: _Frames, r: np.ndarray, c: np.ndarray, weights: Array) -> Array:
+    """The cost of some cells (N,), each by itself and exact."""
+    dots = np.abs(np.vecdot(rows.rotations[r], columns.rotations[c]))
+    angles = np.square(np.arccos(np.minimum(dots, 1.0))) @ weights
+    apart = np.square(rows.features[r] - columns.features[c]).sum(axis=1)
+    return np.asarray(angles + apart)
 
 
 def blocks(from_motions: Sequence[Motion], to_motions: Sequence[Motion], block: int = BLOCK) -> int:
@@ -222,6 +241,6 @@ def _are_minima(
         known &= rows.motion[r + corner[0]] == rows.motion[cells[:, 0] + corner[0]]
         known &= columns.motion[c + corner[1]] == columns.motion[cells[:, 1] + corner[1]]
         beside = cost[r, c]
-        cheaper = beside <= value if (dr, dc) < (0, 0) else beside < value
+        cheaper = beside <= value + ROUNDING if (dr, dc) < (0, 0) else beside < value - ROUNDING
         minima &= ~(known & cheaper)
     return minima

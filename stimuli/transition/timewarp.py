@@ -15,6 +15,7 @@ from stimuli.motion import quaternions as quat
 from stimuli.motion.quaternions import Array
 from stimuli.motion.resample import sampled
 from stimuli.motion.skeleton import Motion
+from stimuli.ties import first_least
 from stimuli.transition.align import aligned
 from stimuli.transition.blend import blend_linear
 from stimuli.transition.distance import joint_rotations
@@ -75,7 +76,7 @@ def given_timewarp(a: Motion, b: Motion, i: int, j: int, specification: str, fra
 
 def _cheapest(pairs: np.ndarray, costs: Array) -> Length:
     """The windows that differ least, the first of equals; the blend lasts as long as the longer."""
-    best = int(np.nanargmin(costs))
+    best = first_least(costs)
     windows = (int(pairs[best, 0]), int(pairs[best, 1]))
     return Length(
         max(windows),

@@ -7,6 +7,7 @@ import numpy as np
 from stimuli.motion import quaternions as quat
 from stimuli.motion.quaternions import Array
 from stimuli.motion.skeleton import Motion
+from stimuli.ties import first_least
 from stimuli.transition.length import Length, no_room
 from stimuli.transition.weights import MAJOR
 from stimuli.transition.window import LONGEST, longest_fitting
@@ -36,7 +37,7 @@ def _by_velocity(
 ) -> Length:
     joints = a.skeleton.role(*MAJOR)
     differences = quat.geodesic(a.rotations[i, joints], b.rotations[j, joints])
-    widest = int(np.argmax(differences))
+    widest = first_least(-differences)
     joint, difference = joints[widest], float(differences[widest])
     speed = speed_of(_velocity_at(a, i, joint), _velocity_at(b, j, joint))
     longest = longest_fitting(a, b, i, j, specification)

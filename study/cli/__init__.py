@@ -1,10 +1,12 @@
 """The command line: a table of subcommands, each imported only when it is called."""
 
 import argparse
+import atexit
 import importlib
 import importlib.util
 import os
 import sys
+import tempfile
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
@@ -36,6 +38,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     named = next((word for word in arguments if not word.startswith("-")), None)
     args = _parser(named).parse_args(arguments)
     warnings.showwarning = _say_warning
+    _spare_matplotlib()
     try:
         return int(args.run(args))
     except KeyboardInterrupt:
@@ -85,6 +88,14 @@ def available() -> list[str]:
     return [name for name in COMMANDS if (here / f"{name}.py").exists()]
 
 
+def _spare_matplotlib() -> None:
+    """Without a home folder to write, matplotlib says so at length at every start."""
+    if "MPLCONFIGDIR" not in os.environ and not os.access(Path("~").expanduser(), os.W_OK):
+        made = tempfile.TemporaryDirectory(prefix="segue-matplotlib-")
+        atexit.register(made.cleanup)
+        os.environ["MPLCONFIGDIR"] = made.name
+
+
 def _intruder() -> str | None:
     """A message when `stimuli` or `analysis` is not the package beside this one."""
     beside = Path(__file__).resolve().parents[2]
@@ -101,9 +112,14 @@ def _intruder() -> str | None:
 
 def _message(error: Exception) -> str:
     text = str(error) or type(error).__name__
-    return text if _is_input_fault(error) else f"{text} (--debug shows where)"
+    told = _is_input_fault(error) or _is(error, "MachineError")
+    return text if told else f"{text} (--debug shows where)"
 
 
 def _is_input_fault(error: Exception) -> bool:
     """InputError of `stimuli` or of `analysis`, without importing either before it is raised."""
-    return any(kind.__name__ == "InputError" for kind in type(error).__mro__)
+    return _is(error, "InputError")
+
+
+def _is(error: Exception, name: str) -> bool:
+    return any(kind.__name__ == name for kind in type(error).__mro__)

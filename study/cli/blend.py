@@ -22,11 +22,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     from study.cli.common import (
         add_motions_option,
         add_specification_option,
+        argument,
         explain_points,
-        number,
     )
 
-    seconds = number(float, f"seconds above 0, up to {LONGEST:g}", lambda x: 0 < x <= LONGEST)
+    seconds = argument(float, f"seconds above 0, up to {LONGEST:g}", lambda x: 0 < x <= LONGEST)
     add_point_arguments(parser, "; a cut needs no frames and takes the cheapest")
     explain_points(parser)
     parser.add_argument(

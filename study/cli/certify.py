@@ -35,12 +35,12 @@ def run(args: argparse.Namespace) -> int:
     from stimuli.errors import InputError
     from stimuli.motion import Library, motion_directories
     from study.cli.designs import Job, Options, certificate
-    from study.protocol import load
-    from study.sets import references
+    from study.protocol.sets import references
+    from study.trials.reading import load_protocol
 
     if args.sets < 2 or (args.participants is not None and args.participants < 1):
         raise InputError("--sets and --participants: expected at least 2 sets and 1 participant")
-    protocol = load(args.protocol)
+    protocol = load_protocol(args.protocol)
     _check_effects(args.effect or [], protocol.file.task)
     people = args.participants or protocol.file.participants
     lengths = references(protocol, Library(motion_directories(args.motions)), args.set_name)
@@ -75,24 +75,14 @@ def _check_effects(effects: list[float], task: str) -> None:
 
 def _all(jobs: "list[Job]", workers: int | None) -> list[dict[str, Any]]:
     """Simulate and analyse every study, on all cores."""
-    import os
-    from concurrent.futures import ProcessPoolExecutor
-    from multiprocessing import get_context
-
     from study.cli.designs import one_study
+    from study.session.processes import mapped
 
-    count = min(workers or os.cpu_count() or 1, len(jobs))
     found = []
     with progress(len(jobs), "simulating studies") as step:
-        if count == 1:
-            for done, job in enumerate(jobs, start=1):
-                found.append(one_study(job))
-                step(done)
-            return found
-        with ProcessPoolExecutor(count, mp_context=get_context("spawn")) as pool:
-            for done, study in enumerate(pool.map(one_study, jobs), start=1):
-                found.append(study)
-                step(done)
+        for study in mapped(one_study, jobs, workers, len(jobs)):
+            found.append(study)
+            step(len(found))
     return found
 
 

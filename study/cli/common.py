@@ -15,7 +15,7 @@ HIGHEST = 1e6  # of the velocity weight
 SPECIFICATIONS = ("start-end", "center-aligned")  # `--help` is to load nothing heavy
 
 
-def number(kind: type, expected: str, fits: Callable[[Any], bool]) -> Callable[[str], Any]:
+def argument(kind: type, expected: str, fits: Callable[[Any], bool]) -> Callable[[str], Any]:
     """An argparse type: text read by `kind` that `fits`, else bad usage that says `expected`."""
 
     def parse(text: str) -> Any:
@@ -30,10 +30,10 @@ def number(kind: type, expected: str, fits: Callable[[Any], bool]) -> Callable[[
     return parse
 
 
-FRAMES = number(int, "a number of frames, 0 or more", lambda n: n >= 0)
-COUNT = number(int, "a whole number, 1 or more", lambda n: n >= 1)
-VELOCITY = number(float, f"a number from 0 to {HIGHEST:g}", lambda x: 0 <= x <= HIGHEST)
-SIGMA = number(float, "a finite number above 0", lambda x: 0 < x < float("inf"))
+FRAMES = argument(int, "a number of frames, 0 or more", lambda n: n >= 0)
+COUNT = argument(int, "a whole number, 1 or more", lambda n: n >= 1)
+VELOCITY = argument(float, f"a number from 0 to {HIGHEST:g}", lambda x: 0 <= x <= HIGHEST)
+SIGMA = argument(float, "a finite number above 0", lambda x: 0 < x < float("inf"))
 
 
 def add_motions_option(parser: argparse.ArgumentParser) -> None:

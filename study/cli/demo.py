@@ -49,10 +49,10 @@ def _motions(option: list[Path] | None, out: Path) -> list[Path]:
     """Directories that hold a set of the demo's protocol: what is there, fetched, or generated."""
     from stimuli.errors import InputError
     from stimuli.motion import Library, fetch, motion_directories, user_library, write_walker
-    from study.protocol import load
-    from study.sets import choose_set
+    from study.protocol.sets import choose_set
+    from study.trials.reading import load_protocol
 
-    protocols = [load(PROTOCOL), load(PREFERENCE)]
+    protocols = [load_protocol(PROTOCOL), load_protocol(PREFERENCE)]
     directories = motion_directories(option)
 
     def complete(candidates: list[Path]) -> bool:
@@ -80,11 +80,11 @@ def _motions(option: list[Path] | None, out: Path) -> list[Path]:
 def _stimuli(directories: list[Path], out: Path) -> Path:
     from stimuli.motion import Library
     from stimuli.sets import build
-    from study.protocol import load
-    from study.sets import set_spec
+    from study.protocol.sets import set_spec
+    from study.trials.reading import load_protocol
 
     library = Library([d for d in directories if d.is_dir()])
-    spec = set_spec(load(PROTOCOL), None, library, rehearsal=True)
+    spec = set_spec(load_protocol(PROTOCOL), None, library, rehearsal=True)
     folder = out / "stimuli" / f"{PROTOCOL}-rehearsal"
     with progress(None, "rendering") as step:
         build(spec, library, folder, progress=step)
@@ -92,10 +92,10 @@ def _stimuli(directories: list[Path], out: Path) -> Path:
 
 
 def _free_participant(data: Path) -> str:
-    from study.dataset import runs
-    from study.protocol import load
+    from study.record.dataset import runs
+    from study.trials.reading import load_protocol
 
-    label = load(PROTOCOL).label
+    label = load_protocol(PROTOCOL).label
     return next(n for k in range(1, 10_000) if not runs(data, n := f"rehearsal{k}", label))
 
 
@@ -122,13 +122,13 @@ def _rehearse(
 
 def _simulate(directories: list[Path], data: Path, seed: int) -> None:
     from stimuli.motion import Library
-    from study.protocol import load
-    from study.sets import references
-    from study.simulate import simulate
+    from study.protocol.sets import references
+    from study.session.simulation import simulate
+    from study.trials.reading import load_protocol
 
     library = Library([d for d in directories if d.is_dir()])
     for name in (PROTOCOL, PREFERENCE):
-        protocol = load(name)
+        protocol = load_protocol(name)
         with progress(PEOPLE, f"simulating {name}") as step:
             simulate(protocol, references(protocol, library), PEOPLE, seed, data, progress=step)
 

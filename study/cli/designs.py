@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     import pandas as pd
 
-    from study.protocol import Protocol
+    from study.protocol.protocol import Protocol
 
 PEOPLE = (6, 12, 18, 24, 35, 50, 80)
 SHARES = (0.55, 0.60, 0.65, 0.75)
@@ -39,9 +39,9 @@ class Options:
 
 def one_study(job: Job) -> dict[str, Any]:
     """Simulate one study and keep what the certificate needs of it."""
-    from study.protocol import from_document
+    from study.trials.reading import protocol_of
 
-    protocol = from_document(job.document)
+    protocol = protocol_of(job.document)
     trials, minutes, counts = simulated_trials(protocol, job)
     return {
         "trials": counts,
@@ -57,8 +57,8 @@ def simulated_trials(
     """The counted trials of all people of one study, and each session's minutes and trials."""
     import pandas as pd
 
-    from study.duration import minutes_of
-    from study.simulate import plan_of, rows
+    from study.session.duration import minutes_of
+    from study.session.simulation import plan_of, rows
 
     tables, minutes, counts = [], [], []
     for person in range(job.people):
@@ -178,42 +178,11 @@ def _numbers(protocol: "Protocol", people: int) -> list[int]:
 
 def exact_targets(protocol: "Protocol", references: dict[str, int]) -> list[dict[str, Any]]:
     """Where each staircase settles on the protocol's observer, from its Markov chain."""
-    import numpy as np
+    from study.trials.plan import make_plan
+    from study.trials.tasks import TASKS
 
-    from analysis.psychometric import location_for, proportion
-    from study.chain import stationary
-    from study.plan import make_plan
-    from study.staircase import target_weighted
-    from study.tracks import make_rule
-
-    table, observer = protocol.file.staircase, protocol.file.observer
-    if table is None or observer is None or observer.slope is None:
-        return []
-    found = []
-    for motion in make_plan(protocol, references, 0).motions:
-        for side, levels in motion.sides().items():
-            truth = getattr(observer, side)
-            if truth is None:
-                continue
-            curve = (observer.slope, 0.5, observer.lapse)
-            location = location_for(observer.function, abs(truth), observer.at, *curve)
-            x = np.array(levels, float)
-            right = proportion(observer.function, x, location, *curve)
-            row: dict[str, Any] = {"motion": motion.name, "side": side, "rule": table.rule,
-                                   "levels": list(levels)}  # fmt: skip
-            try:
-                settled = stationary(make_rule(table), x, right)
-                at_mean = float(proportion(observer.function, settled.mean_level, location, *curve))
-                row |= {
-                    "mean_level": settled.mean_level,
-                    "target": at_mean,
-                    "overall_right": settled.overall_correct,
-                }
-            except ValueError:  # steps of parts of a level have no finite chain
-                row |= {"target": target_weighted(table.down or 1, table.up or 1,
-                                                  table.n_down or 1)}  # fmt: skip
-            found.append(row)
-    return found
+    settles = TASKS[protocol.file.task].settles
+    return settles(make_plan(protocol, references, 0)) if settles else []
 
 
 def _preference_part(

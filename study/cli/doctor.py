@@ -12,17 +12,18 @@ from typing import Any
 
 from study.cli.common import add_motions_option, print_json
 
-GRAPHICS = """
+DRAWS = """
 import os; os.environ["PYOPENGL_PLATFORM"] = "egl"
-import pyrender
-renderer = pyrender.OffscreenRenderer(64, 64)
+from stimuli.render.appearance import Appearance
+from stimuli.render.scene import Renderer
+renderer = Renderer(Appearance(width=64, height=64))
 from OpenGL import GL
 print(GL.glGetString(GL.GL_RENDERER).decode(), "/ OpenGL", GL.glGetString(GL.GL_VERSION).decode())
-renderer.delete()
+renderer.close()
 """
-WINDOW = """
+OPENS = """
 import json
-from study.schema import Keys
+from study.protocol.schema import Keys
 from study.screen.clips import ClipCache
 from study.screen.window import Look, WindowStage
 look = Look(Keys(), ("1", "2"), 0.0, 0.5, 30.0, (128, 128, 128), simulated=True, pace=20.0)
@@ -45,6 +46,8 @@ def run(args: argparse.Namespace) -> int:
     checks: dict[str, Callable[[], str]] = {
         "rendering": _rendering,
         "window": _window,
+        "keyboard": _keyboard,
+        "places": _places,
         "codecs": _codecs,
         "motions": lambda: _motions(args.motions),
     }
@@ -62,8 +65,11 @@ def run(args: argparse.Namespace) -> int:
     return 0 if all(line["ok"] for line in lines) else 1
 
 
-def _python(script: str, remedy: str) -> str:
-    """The last line that a script prints in a process of its own."""
+def _python(script: str, remedy: str = "") -> str:
+    """The last line that a script prints in a process of its own.
+
+    Without a remedy the script's error is one of Segue's, whose second line says what to do.
+    """
     done = subprocess.run(
         [sys.executable, "-c", script],
         capture_output=True,
@@ -74,12 +80,14 @@ def _python(script: str, remedy: str) -> str:
     )
     lines = (done.stdout if done.returncode == 0 else done.stderr).strip().splitlines()
     if done.returncode != 0:
-        raise RuntimeError(f"{lines[-1] if lines else 'it stopped without a word'}; {remedy}")
+        told = lines[-1:] if remedy else lines[-2:]
+        words = [*(told or ["it stopped without a word"]), *([remedy] if remedy else [])]
+        raise RuntimeError("; ".join(words).replace(";; ", "; "))
     return lines[-1]
 
 
 def _rendering() -> str:
-    return _python(GRAPHICS, "install libegl1 libegl-mesa0 libgl1 libgl1-mesa-dri")
+    return _python(DRAWS)
 
 
 def _window() -> str:
@@ -88,14 +96,36 @@ def _window() -> str:
     real = has_screen()
     place: Any = nullcontext() if real else virtual_screen()
     with place:
-        line = _python(WINDOW, "install libglu1-mesa libjack-jackd2-0 libasound2 and a screen")
+        line = _python(OPENS, "install libglu1-mesa libjack-jackd2-0 libasound2 and a screen")
     shown = json.loads(line)
     rate = shown["refresh_rate"]
     screen = f"refresh {rate} Hz" if rate else "no refresh rate; sessions pace themselves"
-    return (
-        f"{'screen' if real else 'no screen, a virtual one works'}; {screen}; "
-        f"keyboard backend {shown['keyboard']}"
-    )
+    return f"{'screen' if real else 'no screen, a virtual one works'}; {screen}"
+
+
+def _keyboard() -> str:
+    """Which keyboard a session of this user gets; the window says that it can be opened."""
+    from study.screen.priority import PERMIT, may_have_priority
+
+    if may_have_priority():
+        return "psychtoolbox (ptb), in a thread of real-time priority"
+    return f"keys timed by the X server, to about a millisecond; {PERMIT}"
+
+
+def _places() -> str:
+    """Where a user may write what libraries and processes need."""
+    from multiprocessing import get_context
+
+    from study.screen.home import has_home
+
+    lacks = []
+    if not has_home():
+        lacks.append("the home folder cannot be written: compiled code and settings are made anew")
+    try:
+        get_context("spawn").Lock()
+    except (OSError, ImportError):
+        lacks.append("/dev/shm cannot be written: simulations use one core")
+    return "; ".join(lacks) or "home folder and shared memory can be written"
 
 
 def _codecs() -> str:

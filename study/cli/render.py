@@ -9,7 +9,7 @@ from study.cli.common import add_motions_option, print_json, progress
 
 if TYPE_CHECKING:
     from stimuli.sets import Manifest
-    from study.duration import Duration
+    from study.session.duration import Duration
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -34,14 +34,14 @@ def run(args: argparse.Namespace) -> int:
     from stimuli.errors import InputError
     from stimuli.motion import Library, motion_directories
     from stimuli.sets import build, prune, resolve
-    from study.duration import session_duration
-    from study.protocol import load
-    from study.rendered import SETS
-    from study.sets import references_of_manifest, set_spec
+    from study.protocol.rendered import SETS
+    from study.protocol.sets import references_of_manifest, set_spec
+    from study.session.duration import session_duration
+    from study.trials.reading import load_protocol
 
     if args.workers is not None and args.workers < 1:
         raise InputError(f"--workers: expected 1 or more, found {args.workers}")
-    protocol = load(args.protocol)
+    protocol = load_protocol(args.protocol)
     library = Library(motion_directories(args.motions))
     spec = set_spec(protocol, args.set_name, library)
     out = args.out or SETS / protocol.name

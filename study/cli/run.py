@@ -33,15 +33,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Run the session; 1 when somebody left it."""
-    from stimuli.errors import InputError
-    from study.lab import Request, check, run_session
-    from study.protocol import load
-    from study.rendered import check_rendered
+    from stimuli.errors import InputError, UnwritableError
+    from study.protocol.rendered import check_rendered
+    from study.protocol.sets import references_of_manifest
+    from study.record.table import NotKeptError
+    from study.screen.opening import open_window
+    from study.screen.priority import PERMIT, may_have_priority
     from study.screen.virtual import has_screen
-    from study.sets import references_of_manifest
-    from study.stage import Left
+    from study.session.lab import Request, check, run_session
+    from study.session.stage import ScreenLostError, SessionLeft
+    from study.trials.reading import load_protocol
 
-    protocol = load(args.protocol)
+    protocol = load_protocol(args.protocol)
     request = Request(
         participant=args.participant,
         data=args.data,
@@ -52,6 +55,7 @@ def run(args: argparse.Namespace) -> int:
         restart=args.restart,
         screen=args.screen,
         windowed=args.windowed,
+        lost=_lost(args),
     )
     check(request, protocol)
     if not has_screen():
@@ -62,11 +66,29 @@ def run(args: argparse.Namespace) -> int:
     manifest = _stimuli(args, protocol)
     check_rendered(protocol, manifest, args.rehearsal)
     _tell_before(args, protocol, references_of_manifest(protocol, manifest))
+    if not may_have_priority():
+        print(
+            f"segue: note: keys are timed by the X server, to about a millisecond;\n{PERMIT}",
+            file=sys.stderr,
+        )
     _ask_person(args)
+    go_on = f"go on with: {_resume_command(args)}"
     try:
-        record = run_session(request, protocol, manifest, lambda record: _resume(args, record))
-    except Left:
-        print(f"left; go on with: {_resume_command(args)}", file=sys.stderr)
+        record = run_session(
+            request, protocol, manifest, lambda record: _resume(args, record), open_window
+        )
+    except (SessionLeft, KeyboardInterrupt):
+        print(f"left; {go_on}", file=sys.stderr)
+        return 1
+    except ScreenLostError:
+        print(request.lost, file=sys.stderr)
+        return 1
+    except (NotKeptError, UnwritableError) as error:
+        print(
+            f"segue run: {str(error).splitlines()[0]}; all answers before it are kept.\n"
+            f"See that there is room to write, and {go_on}",
+            file=sys.stderr,
+        )
         return 1
     _ask_comments(args)
     print(f"record: {record.path}")
@@ -74,12 +96,12 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _stimuli(args: argparse.Namespace, protocol: Any) -> Any:
-    """The stimulus set; a rehearsal's short one is built on the way."""
+    """The stimulus set; a rehearsal builds a short one where the study's own is not there."""
     from stimuli.errors import InputError
     from stimuli.motion import Library, motion_directories
     from stimuli.sets import build, load_manifest
-    from study.rendered import SETS, render_command
-    from study.sets import set_spec
+    from study.protocol.rendered import SETS, render_command
+    from study.protocol.sets import set_spec
 
     if args.stimuli is not None:
         return load_manifest(args.stimuli)
@@ -91,6 +113,8 @@ def _stimuli(args: argparse.Namespace, protocol: Any) -> Any:
                 f"run `{render_command(protocol)}`, or name another set with --stimuli"
             )
         return load_manifest(folder)
+    if (full := _full_set(protocol)) is not None:
+        return full
     library = Library(motion_directories(args.motions))
     spec = set_spec(protocol, None, library, rehearsal=True)
     folder = SETS / f"{protocol.name}-rehearsal"
@@ -98,10 +122,26 @@ def _stimuli(args: argparse.Namespace, protocol: Any) -> Any:
         return build(spec, library, folder, progress=step)
 
 
+def _full_set(protocol: Any) -> Any:
+    """The study's own set where it lies whole: a rehearsal shows the middle of its clips."""
+    from stimuli.errors import InputError
+    from stimuli.sets import load_manifest
+    from study.protocol.rendered import SETS, check_rendered
+
+    try:
+        manifest = load_manifest(SETS / protocol.name)
+        check_rendered(protocol, manifest, rehearsal=True)
+    except InputError:
+        return None
+    first = protocol.file.stimuli.motions[0].name
+    shown = [clip for clip in manifest.clips if clip.motion == first]
+    return manifest if all(clip.path.is_file() for clip in shown) else None
+
+
 def _tell_before(args: argparse.Namespace, protocol: Any, references: dict[str, int]) -> None:
     """How long it will take, and that it is one run more of somebody who has finished one."""
-    from study.dataset import finished_runs, runs, unfinished
-    from study.duration import session_duration
+    from study.record.dataset import finished_runs, runs, unfinished
+    from study.session.duration import session_duration
 
     pending = None
     if not args.restart:  # which reads nothing of the run that it leaves
@@ -117,6 +157,15 @@ def _tell_before(args: argparse.Namespace, protocol: Any, references: dict[str, 
         )
     duration = session_duration(protocol, references, args.rehearsal)
     print(duration.told(args.pace), file=sys.stderr)
+
+
+def _lost(args: argparse.Namespace) -> str:
+    """What is said when the screen goes away."""
+    folder = args.data / f"sub-{args.participant}"
+    return (
+        f"segue run: the screen went away; all answers so far are kept in {folder}.\n"
+        f"Bring it back, and go on with: {_resume_command(args)}"
+    )
 
 
 def _resume_command(args: argparse.Namespace) -> str:
@@ -160,7 +209,7 @@ def _asks(args: argparse.Namespace) -> bool:
 
 def _ask_person(args: argparse.Namespace) -> None:
     """What a study asks of a person, before the session, on a terminal; blank is n/a."""
-    from study.dataset import QUESTIONS, enrol, prepare
+    from study.record.dataset import QUESTIONS, enrol, prepare
 
     if _asks(args):
         prepare(args.data)
@@ -169,7 +218,7 @@ def _ask_person(args: argparse.Namespace) -> None:
 
 
 def _ask_comments(args: argparse.Namespace) -> None:
-    from study.dataset import enrol
+    from study.record.dataset import enrol
 
     if _asks(args):
         enrol(args.data, args.participant, comments=" ".join(input("comments: ").split()))

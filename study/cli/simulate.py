@@ -22,13 +22,13 @@ def run(args: argparse.Namespace) -> int:
     """Simulate and say where the records lie."""
     from stimuli.errors import InputError
     from stimuli.motion import Library, motion_directories
-    from study.protocol import load
-    from study.sets import references
-    from study.simulate import simulate
+    from study.protocol.sets import references
+    from study.session.simulation import simulate
+    from study.trials.reading import load_protocol
 
     if args.participants < 1:
         raise InputError(f"--participants: expected 1 or more, found {args.participants}")
-    protocol = load(args.protocol)
+    protocol = load_protocol(args.protocol)
     lengths = references(protocol, Library(motion_directories(args.motions)), args.set_name)
     with progress(args.participants, "simulating") as step:
         paths = simulate(

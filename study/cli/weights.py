@@ -20,7 +20,7 @@ TOLD = 3  # of the faults of a table, the first ones
 
 
 @dataclass(frozen=True, eq=False)
-class Row:
+class LabelledRow:
     """A labelled transition as the table names it."""
 
     from_point: str
@@ -97,7 +97,7 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def read_labels(path: Path, library: "Library") -> list[Row]:
+def read_labels(path: Path, library: "Library") -> list[LabelledRow]:
     """The labelled transitions of a CSV; InputError telling every fault with its line."""
     from stimuli.errors import InputError
 
@@ -130,7 +130,7 @@ def _read_table(path: Path) -> list[tuple[int, dict[str, str]]]:
     return [(line, empty | dict(zip(read.header, row, strict=False))) for line, row in read.rows]
 
 
-def _row(entry: Mapping[str, str], library: "Library") -> Row:
+def _row(entry: Mapping[str, str], library: "Library") -> LabelledRow:
     """A row of the table with its clips; InputError for the first thing that is wrong with it."""
     from stimuli.errors import InputError
     from stimuli.transition.distance import check_pair
@@ -143,7 +143,7 @@ def _row(entry: Mapping[str, str], library: "Library") -> Row:
     b, j = _end(entry, "to", library)
     check_pair(a, b)
     labelled = Labelled(a, b, i, j, GOOD[word.lower()])
-    return Row(f"{entry['from_clip']}:{i}", f"{entry['to_clip']}:{j}", labelled)
+    return LabelledRow(f"{entry['from_clip']}:{i}", f"{entry['to_clip']}:{j}", labelled)
 
 
 def _end(entry: Mapping[str, str], side: str, library: "Library") -> "tuple[Motion, int]":
@@ -160,7 +160,7 @@ def _end(entry: Mapping[str, str], side: str, library: "Library") -> "tuple[Moti
 
 
 def _document(
-    rows: Sequence[Row], fit: "Fit", own: "Sequence[Left]", foreign: "Sequence[Left]"
+    rows: Sequence[LabelledRow], fit: "Fit", own: "Sequence[Left]", foreign: "Sequence[Left]"
 ) -> dict[str, Any]:
     """What was found, as JSON has it; `foreign` is empty without another performer."""
     from stimuli.transition.fit import summary
@@ -180,7 +180,7 @@ def _document(
     return found
 
 
-def _entry(row: Row, left: "Left") -> dict[str, Any]:
+def _entry(row: LabelledRow, left: "Left") -> dict[str, Any]:
     """A row of the leave-one-out table: the label, then the best point with and without it."""
     without = left.without
     return {

@@ -7,7 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 from numpy.typing import NDArray
 
-from study.trial import ClipKey
+from study.trials.trial import ClipKey
 
 Frames = NDArray[np.uint8]
 ROOM_BYTES = 1_500_000_000

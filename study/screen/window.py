@@ -8,13 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from stimuli.errors import InputError
-from study.schema import Keys
+from stimuli.errors import InputError, UnwritableError
+from study.protocol.schema import Keys
 from study.screen.clips import ClipCache, Frames
+from study.screen.home import writable_home
+from study.screen.keyboards import open_keyboard
 from study.screen.panel import Panel
 from study.screen.schedule import NOMINAL_REFRESH, Due, last_refresh, late_frames, schedule
-from study.stage import Answer, Left, Presented
-from study.tasks import Screens
+from study.session.stage import Answer, Presented, SessionLeft
+from study.trials.tasks import Screens
 
 INK = (-0.85, -0.85, -0.85)
 READING_SECONDS = 1.5
@@ -37,7 +39,7 @@ class Look:
 
 
 class WindowStage:
-    """A stage (see `study.stage`) in a PsychoPy window."""
+    """A stage (see `study.session.stage`) in a PsychoPy window."""
 
     def __init__(
         self,
@@ -48,15 +50,15 @@ class WindowStage:
         windowed: bool = False,
     ) -> None:
         self._look, self._clips, self._flip_log = look, clips, flip_log
-        self._window = _open_window(screen, windowed, look.background)
-        self._keyboard = _open_keyboard()
+        with writable_home():
+            self._window = _open_window(screen, windowed, look.background)
+            self._keyboard = open_keyboard(self._window)
         self._refresh = _refresh_rate(self._window)
         self._paced = self._refresh is None
         self._rate = self._refresh or NOMINAL_REFRESH
         self._panels: dict[tuple[int, int, tuple[int, ...]], Panel] = {}
         self._zero: float | None = None
         self._zero_wall: float | None = None
-        self._listening_since = 0.0
 
     def first_flip(self) -> float | None:
         """Unix time of this stage's first flip, None before it."""
@@ -70,16 +72,24 @@ class WindowStage:
             "refresh_rate": None if self._refresh is None else round(self._refresh, 3),
             "paced_at": round(self._rate, 3),
             "fullscreen": bool(self._window._isFullScr),
-            "keyboard": self._keyboard.getBackend(),
+            "keyboard": self._keyboard.timing()["keyboard"],
         }
 
+    def timing(self) -> dict[str, object]:
+        """How the keys were timed in this window so far, for the sidecar."""
+        return self._keyboard.timing()
+
     def tell(self, text: str) -> None:
-        """Show a text until the go-on key; a simulated observer reads for a moment."""
+        """Show a text until the go-on key; a simulated observer reads for a moment.
+
+        A block comes after it, for which the keyboard's clock is measured.
+        """
         self._text(text)
+        self._keyboard.measure()
         if self._look.simulated:
             self._wait(READING_SECONDS / self._look.pace)
         else:
-            self._listen()
+            self._keyboard.listen()
             self._await_key({self._look.keys.go_on: "on"}, None)
 
     def flash(self, text: str) -> None:
@@ -122,6 +132,7 @@ class WindowStage:
         """Close the window."""
         for panel in self._panels.values():
             panel.delete()
+        self._keyboard.close()
         self._window.close()
 
     def _play(self, clips: Sequence[Frames], label: str) -> tuple[float, int]:
@@ -136,7 +147,7 @@ class WindowStage:
                 panel.draw(frames[due.frame], (size[0], size[1]))
             if due is dues[-1]:
                 self._leave_on_quit()
-                self._window.callOnFlip(self._listen)
+                self._window.callOnFlip(self._keyboard.listen)
             if flips:
                 self._sleep_until(flips[0] + due.refresh / self._rate)
             flips.append(self._flip())
@@ -146,14 +157,6 @@ class WindowStage:
         self._log(label, dues, flips)
         assert self._zero is not None
         return flips[0] - self._zero, late
-
-    def _listen(self) -> None:
-        """From this flip on keys count; their times are from here."""
-        from psychopy import logging
-
-        self._keyboard.clock.reset()
-        self._keyboard.clearEvents()
-        self._listening_since = logging.defaultClock.getTime()
 
     def _panels_for(self, count: int, shape: tuple[int, ...]) -> list[Panel]:
         width, height = (float(v) for v in self._window.size)
@@ -207,31 +210,18 @@ class WindowStage:
             self._window.winHandle.dispatch_events()
 
     def _leave_on_quit(self) -> None:
-        if self._pressed([self._look.keys.quit], clear=False):
-            raise Left
-
-    def _pressed(self, names: list[str], clear: bool = True) -> list[Any]:
-        """The keys pressed since `_listen`, in order, held or already let go.
-
-        The keyboard gives those that are held and those that were let go apart.
-        """
-        keys = [
-            key
-            for let_go in (False, True)
-            for key in self._keyboard.getKeys(names, waitRelease=let_go, clear=clear)
-            if key.tDown >= self._listening_since
-        ]
-        return sorted(keys, key=lambda key: key.tDown)
+        if self._keyboard.pressed([self._look.keys.quit], clear=False):
+            raise SessionLeft
 
     def _await_key(self, meanings: Mapping[str, str], seconds: float | None) -> Answer:
-        """The first of the keys pressed since `_listen`, within seconds of the last frame."""
+        """The first of the keys pressed since keys count, within seconds of the last frame."""
         wanted = [*meanings, self._look.keys.quit]
-        while seconds is None or self._keyboard.clock.getTime() < seconds:
-            for key in self._pressed(wanted):
+        while seconds is None or self._keyboard.since() < seconds:
+            for key in self._keyboard.pressed(wanted):
                 if key.name == self._look.keys.quit:
-                    raise Left
-                if key.rt >= 0 and (seconds is None or key.rt <= seconds):
-                    return Answer(meanings[key.name], float(key.rt))
+                    raise SessionLeft
+                if seconds is None or key.seconds <= seconds:
+                    return Answer(meanings[key.name], key.seconds)
             time.sleep(0.002)
             self._window.winHandle.dispatch_events()
         return Answer(None, None)
@@ -248,16 +238,23 @@ class WindowStage:
             for due, flip in zip(dues, flips, strict=True)
         ]
         new = not self._flip_log.exists()
-        with self._flip_log.open("a", encoding="utf-8") as stream:
-            if new:
-                stream.write("trial\tframe\tdue\tflip\tunix_time\n")
-            stream.writelines(lines)
+        try:
+            with self._flip_log.open("a", encoding="utf-8") as stream:
+                if new:
+                    stream.write("trial\tframe\tdue\tflip\tunix_time\n")
+                stream.writelines(lines)
+        except OSError as error:
+            raise UnwritableError(
+                f"{self._flip_log}: the flips of {label} could not be written: "
+                f"{error.strerror or error}"
+            ) from error
 
 
 def _open_window(screen: int, windowed: bool, background: tuple[int, int, int]) -> Any:
     from psychopy import logging, visual
 
     logging.console.setLevel(logging.ERROR)
+    check_screen(screen)
     return visual.Window(
         size=(1280, 800),
         fullscr=not windowed,
@@ -273,17 +270,14 @@ def _open_window(screen: int, windowed: bool, background: tuple[int, int, int]) 
     )
 
 
-def _open_keyboard() -> Any:
-    from psychopy.hardware import keyboard
+def check_screen(screen: int) -> None:
+    """Refuse a screen that is not there; PsychoPy would take the first in silence."""
+    from pyglet.canvas import get_display
 
-    opened = keyboard.Keyboard()
-    backend = opened.getBackend()
-    if backend != "ptb":
-        raise InputError(
-            f"keyboard: expected PsychoPy's backend 'ptb', found {backend!r}, which times keys "
-            "badly;\ninstall libjack-jackd2-0 and libasound2 (Debian), or see `segue doctor`"
-        )
-    return opened
+    count = len(get_display().get_screens())
+    if not 0 <= screen < count:
+        there = "screen 0 alone" if count == 1 else f"screens 0 to {count - 1}"
+        raise InputError(f"--screen {screen}: expected a screen that is there, found {there}")
 
 
 def _refresh_rate(window: Any) -> float | None:

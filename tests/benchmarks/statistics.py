@@ -13,9 +13,11 @@ import numpy as np
 from analysis.psychometric import Counts, counts, proportion, setting, summarise
 from analysis.report import write_report
 from tests.analysis import records
+from tests.benchmarks.rows import row
 
 RUNS = 5
 SAMPLES = 2000
+RIVAL = "psignifit 4.3 (no bootstrap)"
 DEMO_LEVELS = [0.001, 0.0015, 0.002, 0.0025, 0.003, 0.0035, 0.004, 0.0045, 0.005, 0.006, 0.007,
                0.008, 0.010]  # fmt: skip
 DEMO_RIGHT = [45, 50, 44, 44, 52, 53, 62, 64, 76, 79, 88, 90, 90]
@@ -24,24 +26,12 @@ DEMO_RIGHT = [45, 50, 44, 44, 52, 53, 62, 64, 76, 79, 88, 90, 90]
 def rows() -> list[dict[str, Any]]:
     """Seconds of a fit with 2,000 bootstrap samples, and of a report of 50 people."""
     thirteen = counts(DEMO_LEVELS, DEMO_RIGHT, [90] * 13)
+    name = "fit, {}, 2,000 bootstrap samples"
     return [
-        _row("fit, 13 levels, 2,000 bootstrap samples", 0.5, _fit(thirteen), _rival(thirteen)),
-        _row("fit, 200 adaptive trials, 2,000 bootstrap samples", 1.0, *_adaptive()),
-        _row("report, 50 people, 10,000 trials", 20.0, _report(), None),
+        row(name.format("13 levels"), _fit(thirteen), "s", RIVAL, _rival(thirteen), faster=4.0),
+        row(name.format("200 adaptive trials"), *_adaptive(), faster=10.0),
+        row("report, 50 people, 10,000 trials", _report(), "s", felt=20.0),
     ]
-
-
-def _row(name: str, target: float, value: float, rival: float | None) -> dict[str, Any]:
-    return {
-        "name": name,
-        "value": value,
-        "unit": "s",
-        "rival": None if rival is None else "psignifit 4.3 (no bootstrap)",
-        "rival_value": rival,
-        "ratio": None if rival is None else rival / value,
-        "target": target,
-        "met": value <= target,
-    }
 
 
 def seconds(work: Callable[[], object], runs: int = RUNS) -> float:
@@ -79,7 +69,7 @@ def _rival(data: Counts, runs: int = 3) -> float | None:
     return time.perf_counter() - start
 
 
-def _adaptive() -> tuple[float, float | None]:
+def _adaptive() -> tuple[float, str, str, float | None]:
     """Two hundred trials at levels that follow the answers and are hardly ever the same twice."""
     rng = np.random.default_rng(1)
     level, levels, correct = 8.0, [], []
@@ -91,7 +81,7 @@ def _adaptive() -> tuple[float, float | None]:
         level = float(np.clip(level + (-step if right else 3 * step), 0.1, 12))
     data = counts(levels, correct)
     # psignifit takes half a minute here: once is enough to tell.
-    return _fit(data), _rival(data, runs=1)
+    return _fit(data), "s", RIVAL, _rival(data, runs=1)
 
 
 def _report() -> float:

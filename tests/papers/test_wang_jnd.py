@@ -10,14 +10,14 @@ from analysis.certificate import Estimate, estimates
 from analysis.preferences import contests
 from analysis.thresholds import plan_of as plan_of_fits
 from study.cli.designs import Job, simulated_trials
-from study.protocol import load
+from study.trials.reading import load_protocol
 
 SEEDS = 40
 HELD = 33
 
 
 def studies(name: str, reference: int) -> list[list[Estimate]]:
-    protocol = load(name)
+    protocol = load_protocol(name)
     lengths = {pair.name: reference for pair in protocol.file.stimuli.motions}
     found = []
     for seed in range(SEEDS):
@@ -48,7 +48,7 @@ def test_intervals_hold_the_thresholds(name: str, reference: int, truth: dict[st
 
 @pytest.mark.slow
 def test_chi_square_of_study_one() -> None:
-    protocol = load("study-one")
+    protocol = load_protocol("study-one")
     lengths: dict[str, int] = {}
     found = []
     for seed in range(SEEDS):

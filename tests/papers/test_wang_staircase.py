@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from study.chain import stationary
-from study.staircase import rule_levitt, rule_wang
+from study.trials.chain import stationary
+from study.trials.staircase import rule_levitt, rule_wang
 
 # Step in SDs: proportion right at the mean level, and overall.
 FIGURES = {

@@ -10,7 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from stimuli.motion.formats.scan import (
+from stimuli.motion.formats.scan import scan
+from stimuli.motion.formats.scan_state import (
     BEGINS,
     ENDED,
     NO_NUMBER,
@@ -19,7 +20,6 @@ from stimuli.motion.formats.scan import (
     WORDS,
     State,
     new_state,
-    scan,
 )
 from stimuli.motion.formats.source import fault, line_of, shown
 from stimuli.motion.formats.words import (

@@ -19,7 +19,7 @@ from stimuli.motion.formats import bvh_table
 from stimuli.motion.formats.bvh import read_bvh
 from stimuli.motion.formats.bvh_write import write_bvh
 from stimuli.motion.formats.numbers import number_blocks, parse_numbers, plain_blocks
-from stimuli.motion.formats.scan import (
+from stimuli.motion.formats.scan_state import (
     LINES,
     ODD_BEGINS,
     ODD_LINE,

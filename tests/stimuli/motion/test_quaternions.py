@@ -23,16 +23,16 @@ def test_products_and_turned_vectors_are_those_of_matrices():
     p, q = random_rotations(200), random_rotations(200, 1)
     v = np.random.default_rng(2).normal(size=(200, 3))
     product = scipy_of(quat.multiply(p, q)).as_matrix()
-    assert np.allclose(product, scipy_of(p).as_matrix() @ scipy_of(q).as_matrix(), atol=1e-14)
-    assert np.allclose(quat.rotate(q, v), scipy_of(q).apply(v), atol=1e-14)
+    assert np.allclose(product, scipy_of(p).as_matrix() @ scipy_of(q).as_matrix(), atol=1e-12)
+    assert np.allclose(quat.rotate(q, v), scipy_of(q).apply(v), atol=1e-12)
     identity = quat.multiply(q, quat.inverse(q))
-    assert np.allclose(identity, quat.IDENTITY, atol=1e-15)
+    assert np.allclose(identity, quat.IDENTITY, atol=1e-12)
 
 
 def test_logarithm_is_half_the_rotation_vector_and_exp_undoes_it():
     q = quat.shorter(random_rotations(200))
-    assert np.allclose(2 * quat.log(q), scipy_of(q).as_rotvec(), atol=1e-14)
-    assert np.allclose(quat.exp(quat.log(q)), q, atol=1e-14)
+    assert np.allclose(2 * quat.log(q), scipy_of(q).as_rotvec(), atol=1e-12)
+    assert np.allclose(quat.exp(quat.log(q)), q, atol=1e-12)
     assert np.allclose(quat.exp(np.zeros((2, 3))), quat.IDENTITY)
 
 
@@ -40,7 +40,7 @@ def test_logarithm_is_half_the_rotation_vector_and_exp_undoes_it():
 def test_euler_angles_are_intrinsic(order: str):
     angles = np.random.default_rng(0).uniform(-4, 4, size=(50, len(order)))
     expected = Rotation.from_euler(order, angles).as_matrix()
-    assert np.allclose(scipy_of(quat.from_euler(angles, order)).as_matrix(), expected, atol=1e-14)
+    assert np.allclose(scipy_of(quat.from_euler(angles, order)).as_matrix(), expected, atol=1e-12)
 
 
 def test_zyx_angles_come_back_even_at_gimbal_lock():
@@ -59,8 +59,8 @@ def test_zyx_angles_come_back_even_at_gimbal_lock():
 def test_geodesic_is_half_the_angle_and_keeps_its_precision_when_small():
     p, q = random_rotations(200), random_rotations(200, 1)
     angle = (scipy_of(q).inv() * scipy_of(p)).magnitude()
-    assert np.allclose(quat.geodesic(p, q), angle / 2, atol=1e-14)
-    assert np.allclose(quat.geodesic(p, -q), angle / 2, atol=1e-14)
+    assert np.allclose(quat.geodesic(p, q), angle / 2, atol=1e-12)
+    assert np.allclose(quat.geodesic(p, -q), angle / 2, atol=1e-12)
     tiny = np.geomspace(1e-12, 1e-3, 10)
     turned = quat.multiply(p[:10], quat.about("X", tiny))
     assert np.allclose(quat.geodesic(p[:10], turned), tiny / 2, rtol=1e-3, atol=1e-16)
@@ -75,7 +75,7 @@ def test_slerp_turns_evenly_on_the_shorter_arc(weight: float, angle: float):
 
 def test_slerp_of_a_rotation_with_itself_is_itself():
     q = random_rotations(50)
-    assert np.abs(quat.slerp(q, q, 0.3) - q).max() < 1e-15
+    assert np.abs(quat.slerp(q, q, 0.3) - q).max() < 1e-12
 
 
 def test_angular_velocity_of_an_even_turn_is_even_to_the_ends():

@@ -11,10 +11,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from stimuli.errors import InputError
-from stimuli.motion import Library, Motion, load_clip
+from stimuli.motion import Library, Motion
 from stimuli.sets import Pairing, SetSpec, clip_motion, resolve
 from stimuli.sets.layout import frame_of_i, lay_out
 from stimuli.transition.footlock import EASE
+from tests.corpora import CORPORA
 
 lengths = st.integers(1, 40)
 specifications = st.sampled_from(["start-end", "center-aligned"])
@@ -170,11 +171,14 @@ def test_a_cut_shows_no_blend(straight: Straight) -> None:
     assert clip.at == clip.mixed[0] == clip.mixed[1] == 90
 
 
-def test_captured_clips_fill_six_seconds(motions: Path) -> None:
-    library = Library([motions / "cmu_bvh"])
-    pairing = Pairing("dance", "05_02", 246, "05_13", 90)
-    spec = SetSpec("cmu", (pairing,), "center-aligned", reference=10, longer=(12,))
+@pytest.mark.parametrize("corpus", CORPORA)
+def test_captured_clips_fill_six_seconds(corpus: str, sample_motions: Path) -> None:
+    library = Library(CORPORA[corpus].folders)
+    clips = {"sample": ("humanoid3d_getup_faceup", 95, "humanoid3d_dance_b", 30),
+             "captured": ("05_02", 246, "05_13", 90)}[corpus]  # fmt: skip
+    spec = SetSpec("six", (Pairing("dance", *clips),), "center-aligned", reference=10, longer=(12,))
     resolved = resolve(spec, library)[0]
     motion = clip_motion(spec, resolved, library, length=22)
-    source = load_clip(motions / "cmu_bvh" / "05_02.bvh").motion
-    np.testing.assert_allclose(motion.root[0], source.root[246 - 90])
+    assert len(motion) == 180
+    source = library.load(clips[0]).motion
+    np.testing.assert_allclose(motion.root[0], source.root[clips[1] - 90])

@@ -8,7 +8,7 @@ import pytest
 
 from stimuli.motion import Library
 from study.cli import main
-from study.protocol import shipped
+from study.protocol.protocol import shipped
 
 
 @pytest.fixture

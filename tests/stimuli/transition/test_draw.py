@@ -10,6 +10,7 @@ import pytest
 from stimuli.errors import InputError
 from stimuli.motion import Library, walker
 from stimuli.transition.draw import CONDITIONS, draw_point, length_at
+from tests.corpora import CORPORA
 
 PROTOCOLS = Path(__file__).resolve().parents[3] / "protocols"
 
@@ -30,15 +31,12 @@ def points(name: str, set_name: str, library: Library) -> dict[str, list[tuple[i
     return found
 
 
+@pytest.mark.parametrize("corpus", CORPORA)
 @pytest.mark.parametrize("name", CONDITIONS)
-def test_points_of_captured_motion(name: str, motions: Path) -> None:
-    found = points(name, "cmu", Library([motions]))
-    assert found["drawn"] == found["written"]
-
-
-@pytest.mark.parametrize("name", CONDITIONS)
-def test_points_of_sample_motion(name: str, sample_motions: Path) -> None:
-    found = points(name, "sample", Library([sample_motions]))
+def test_points_of_captured_motion(name: str, corpus: str, sample_motions: Path) -> None:
+    """Of the sample motions, and of the others where there are any."""
+    bound = {"sample": "sample", "captured": "cmu"}[corpus]
+    found = points(name, bound, Library(CORPORA[corpus].folders))
     assert found["drawn"] == found["written"]
 
 

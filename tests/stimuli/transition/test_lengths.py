@@ -6,6 +6,7 @@ import pytest
 from stimuli.errors import InputError
 from stimuli.motion import Motion
 from stimuli.motion import quaternions as quat
+from stimuli.ties import first_least
 from stimuli.transition import LONGEST, SPECIFICATIONS, blend_length, plots
 from stimuli.transition.curves import joint_curves
 from stimuli.transition.length import geodesic_costs
@@ -65,7 +66,7 @@ def test_a_motion_that_continues_has_the_length_at_which_it_does(bodies):
     a = bodies.wandering(80, 3)
     found = blend_length(a, a, 20, 20 + 17 - 1, "geodesic")
     assert found.frames == 17
-    assert found.report["cost"] < 1e-12
+    assert found.report["cost"] < 1e-11
 
 
 @pytest.mark.parametrize("specification", SPECS)
@@ -75,7 +76,7 @@ def test_the_map_gives_the_length_of_every_pair_of_frames(bodies, specification)
     for i in range(0, 37, 5):
         for j in range(0, 75, 7):
             costs = geodesic_costs(a, b, i, j, specification)
-            assert frames[i, j] == np.nanargmin(costs) + 1
+            assert frames[i, j] == first_least(costs) + 1
             assert np.isclose(least[i, j], np.nanmin(costs))
 
 

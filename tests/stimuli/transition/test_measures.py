@@ -15,7 +15,7 @@ def test_a_motion_that_goes_on_differs_from_itself_in_nothing(bodies):
     positions, _ = forward(a.skeleton, a.rotations, a.root)
     own = np.linalg.norm(np.diff(positions, 2, axis=0), axis=-1).max()
     assert found["velocity_jump"] <= own + 1e-9
-    assert found["geodesic_cost"] < 1e-12
+    assert found["geodesic_cost"] < 1e-11
     assert found["displacement_from_reference"] == 0
 
 

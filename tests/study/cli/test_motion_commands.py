@@ -13,6 +13,7 @@ import pytest
 
 from stimuli.motion import Motion, load_clip, unroll, walker, write_walker
 from stimuli.motion.formats.bvh_write import write_bvh
+from stimuli.ties import first_least
 from stimuli.transition import METHODS, SPECIFICATIONS, cost_matrix
 from study.cli import blend, common, main
 
@@ -210,7 +211,7 @@ def test_a_cut_without_frames_is_the_cheapest_with_room(call, tmp_path):
     told = json.loads(call(*words, "--weights", "lee", "--out", out)[1])
     cost = cost_matrix(*(load_clip(tmp_path / f"{n}.bvh").motion for n in ("one", "other")), "lee")
     room = cost[90:, : cost.shape[1] - 90]
-    i, j = np.unravel_index(np.argmin(room), room.shape)
+    i, j = np.unravel_index(first_least(room), room.shape)  # a walk is as cheap a cycle later
     assert (told["from"], told["to"]) == (i + 90, j)
     assert told["total_frames"] == i + 91 + cost.shape[1] - j - 1
     assert call("blend", "one", "other:7", "--method", "cut", "--out", out)[0] == 2

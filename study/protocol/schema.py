@@ -1,0 +1,182 @@
+"""What a protocol file may hold: one frozen model a table, every key with its bounds."""
+
+from typing import Annotated, Literal
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+
+Positive = Annotated[float, Field(gt=0)]
+Count = Annotated[int, Field(ge=1)]
+Share = Annotated[float, Field(ge=0, le=1)]
+Colour = Annotated[tuple[Share, Share, Share], Field()]
+RESERVED = {"con", "prn", "aux", "nul", *(f"{n}{k}" for n in ("com", "lpt") for k in range(10))}
+
+
+def _can_be_a_file(name: str) -> str:
+    """The name, unless Windows has another use for it: files are called by it."""
+    if name.lower().split(".")[0] in RESERVED or name.endswith("."):
+        raise ValueError("expected a name that a file can have on Windows too")
+    return name
+
+
+Name = Annotated[
+    str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$"), AfterValidator(_can_be_a_file)
+]
+
+
+class TomlTable(BaseModel):
+    """A TOML table: no keys but its own, never changed after reading."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
+
+
+class MotionPair(TomlTable):
+    """A transition of the study: from the motion in one role to the motion in another."""
+
+    name: Name
+    from_: Name = Field(alias="from")
+    to: Name
+    category: str = ""
+
+
+class Stimuli(TomlTable):
+    """What is shown: pairs of motions, how they are joined, and how the clip is laid out."""
+
+    motions: Annotated[tuple[MotionPair, ...], Field(min_length=1)]
+    specification: Literal["start-end", "center-aligned"] = "start-end"
+    reference: Count | Literal["geodesic"] | None = None
+    lengths: tuple[int, ...] = ()
+    shorter: tuple[Count, ...] = ()
+    longer: tuple[Count, ...] = ()
+    drop_missing: bool = False
+    methods_apart: Annotated[int, Field(ge=0)] = 0
+    seconds: Annotated[float, Field(ge=0.5, le=60)] = 6.0
+    smooth: bool = False
+    foot_lock: bool = True
+
+
+class AppearanceTable(TomlTable):
+    """How a clip looks; the same for all clips of a group."""
+
+    width: Annotated[int, Field(ge=64, le=3840)] = 640
+    height: Annotated[int, Field(ge=64, le=2160)] = 480
+    background: Colour = (0.5, 0.5, 0.5)
+    body: str = "figure"
+    colour: Colour = (0.80, 0.76, 0.72)
+    view: Literal["best", "front-left", "front-right", "behind-left", "behind-right"] = "best"
+    azimuth: float = 35.0
+    elevation: Annotated[float, Field(ge=-80, le=80)] = 8.0
+    field_of_view: Annotated[float, Field(ge=5, le=90)] = 30.0
+    margin: Annotated[float, Field(ge=0, lt=0.5)] = 0.06
+
+
+class Presentation(TomlTable):
+    """How a trial is put on the screen."""
+
+    layout: Literal["side-by-side", "one-after-other"] | None = None
+    gap: Annotated[float, Field(ge=0, le=10)] = 0.5
+    answer_seconds: Positive | None = None
+    clip_height: Annotated[float, Field(gt=0, le=1)] = 0.6
+    late_frames_allowed: Annotated[int, Field(ge=0)] = 3
+    feedback_in_practice: bool = True
+
+
+class Keys(TomlTable):
+    """The keys that answer a trial, for the first and the second alternative, and to leave."""
+
+    first: str = "1"
+    second: str = "2"
+    go_on: str = "space"
+    quit: str = "escape"
+
+
+class Instructions(TomlTable):
+    """What a participant reads; a blank text takes the task's own."""
+
+    welcome: str = ""
+    question: str = ""
+    pause: str = ""
+    thanks: str = "Thank you. The session is over."
+
+
+class Trials(TomlTable):
+    """Trials beside or instead of tracks."""
+
+    repeats: Count = 1
+    practice: Annotated[int, Field(ge=0)] = 0
+    catch_every: Annotated[int, Field(ge=0)] = 0
+    break_every: Annotated[int, Field(ge=0)] = 0
+    first: Literal["balanced", "random"] = "balanced"
+
+
+class ObserverTable(TomlTable):
+    """What a simulated participant truly is; each task adds what its people have.
+
+    `spread` is how far people lie apart (SD), `reference` the length that stands in where a
+    computed one cannot be had.
+    """
+
+    spread: Annotated[float, Field(ge=0)] = 0.0
+    reference: Count | None = None
+
+
+class Analysis(TomlTable):
+    """The analysis that will be run, stated before the data."""
+
+    alpha: Annotated[float, Field(gt=0, lt=0.5)] = 0.05
+    function: str = "logistic"
+    lapse: Literal["free"] | Annotated[float, Field(ge=0, lt=0.5)] = "free"
+    at: tuple[Annotated[float, Field(gt=0.5, lt=1)], ...] = (0.70, 0.75)
+    bootstrap: Annotated[int, Field(ge=0)] = 2000
+    exclude_catch_below: Share | None = None
+    exclude_missing_above: Share | None = None
+    exclude_faster_than: Positive | None = None
+    exclude_slower_than: Positive | None = None
+    exclude_fewer_trials: Count | None = None
+
+
+class Rehearsal(TomlTable):
+    """How short a rehearsal is: one motion, short clips, short tracks."""
+
+    seconds: Annotated[float, Field(ge=0.5, le=10)] = 1.0
+    trials: Count = 4
+
+
+class Role(TomlTable):
+    """A role bound to a frame (0-based, of the working clip) of a motion clip."""
+
+    clip: Annotated[str, Field(min_length=1)]
+    frame: Annotated[int, Field(ge=0)]
+
+
+class MotionSet(BaseModel):
+    """The clips behind the roles; `about` says how their frames were chosen."""
+
+    model_config = ConfigDict(extra="allow", frozen=True)
+    __pydantic_extra__: dict[str, Role] = Field(init=False)
+    about: str = ""
+
+    @property
+    def roles(self) -> dict[str, Role]:
+        """The roles that this set binds."""
+        return dict(self.__pydantic_extra__)
+
+
+class ProtocolFile(TomlTable):
+    """A study whole, as its TOML file has it: what any task may say; each task adds its own."""
+
+    name: Name
+    title: str = ""
+    source: str = ""
+    task: str
+    participants: Count = 12
+    methods: tuple[str, ...] = ()
+    stimuli: Stimuli
+    sets: Annotated[dict[Name, MotionSet], Field(min_length=1)]
+    appearance: AppearanceTable = AppearanceTable()
+    presentation: Presentation = Presentation()
+    keys: Keys = Keys()
+    instructions: Instructions = Instructions()
+    trials: Trials = Trials()
+    rehearsal: Rehearsal = Rehearsal()
+    observer: ObserverTable | None = None
+    analysis: Analysis = Analysis()

@@ -1,0 +1,1 @@
+"""What is kept: a table of trials that no kill can harm, its sidecar, the BIDS data set around."""

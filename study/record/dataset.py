@@ -1,0 +1,157 @@
+"""The BIDS data set around the records: who took part, which runs there are, what was shown."""
+
+import csv
+import io
+import json
+import re
+import warnings
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from stimuli.errors import InputError, InputWarning
+from stimuli.files import write_atomic
+from study.protocol.protocol import Protocol
+from study.record.table import MISSING, Record, reopen
+
+PARTICIPANT = re.compile(r"[A-Za-z0-9]{1,32}")
+RUN = re.compile(r"_run-(\d+)_beh\.tsv$")
+QUESTIONS: Mapping[str, str] = {
+    "age": "age in years",
+    "sex": "sex (female, male, other, or n/a)",
+    "vision": "normal or corrected-to-normal vision (yes, no)",
+    "naive": "naive to the purpose of the study (yes, no)",
+    "animation_experience": "experience in animation beyond games and film (yes, no)",
+}
+PARTICIPANT_COLUMNS: Mapping[str, str] = {
+    "participant_id": "the participant",
+    **QUESTIONS,
+    "observer": "human or simulated",
+    "comments": "free comments after the session",
+}
+
+
+def check_participant(name: str) -> str:
+    """The ID if it is one; others are refused, never rewritten."""
+    if not PARTICIPANT.fullmatch(name):
+        raise InputError(
+            f"participant {name!r}: expected 1 to 32 letters and digits (A-Z, a-z, 0-9); "
+            "choose such an ID"
+        )
+    return name
+
+
+def check_twin(data: Path, name: str) -> None:
+    """Tell an ID from one already there that people, or disks, take for the same.
+
+    IDs that differ by case alone are refused: many disks hold one folder for both. Those that
+    differ by leading zeros alone are let through with a warning.
+    """
+    there = [path.name.removeprefix("sub-") for path in sorted(data.glob("sub-*"))]
+    for other in there:
+        if other != name and other.casefold() == name.casefold():
+            raise InputError(
+                f"participant {name!r}: found {other!r} in {data} already, and disks of Windows "
+                f"and macOS hold one folder for both; say {other!r} if that is the person, else "
+                "choose another ID"
+            )
+        if other != name and _without_zeros(other) == _without_zeros(name):
+            warnings.warn(
+                f"participant {name!r} is somebody else than {other!r}, who is in {data} already; "
+                f"say {other!r} if that is the person",
+                InputWarning,
+                stacklevel=2,
+            )
+
+
+def _without_zeros(name: str) -> str:
+    return re.sub(r"(?<![0-9])0+(?=[0-9])", "", name.casefold())
+
+
+def prepare(data: Path) -> None:
+    """Make `data` a BIDS data set unless it is one."""
+    description = data / "dataset_description.json"
+    if not description.exists():
+        content = {
+            "Name": "Segue sessions",
+            "BIDSVersion": "1.10.0",
+            "DatasetType": "raw",
+            "GeneratedBy": [{"Name": "segue"}],
+        }
+        write_atomic(description, json.dumps(content, indent=2) + "\n")
+    columns = data / "participants.json"
+    if not columns.exists():
+        content_columns = {key: {"Description": text} for key, text in PARTICIPANT_COLUMNS.items()}
+        write_atomic(columns, json.dumps(content_columns, indent=2) + "\n")
+
+
+def enrol(data: Path, participant: str, **answers: str) -> None:
+    """Add a participant to participants.tsv, or fill in what is new about one."""
+    path = data / "participants.tsv"
+    rows: dict[str, dict[str, str]] = {}
+    columns = list(PARTICIPANT_COLUMNS)
+    if path.exists():
+        with path.open(encoding="utf-8", newline="") as stream:
+            reader = csv.DictReader(stream, delimiter="\t")
+            columns += [name for name in reader.fieldnames or () if name not in columns]
+            rows = {row["participant_id"]: row for row in reader}
+    key = f"sub-{participant}"
+    new = {name: text for name, text in answers.items() if text}
+    rows[key] = {"participant_id": key, **rows.get(key, {}), **new}
+    buffer = io.StringIO()
+    writer = csv.DictWriter(buffer, columns, restval=MISSING, delimiter="\t", lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows.values())
+    write_atomic(path, buffer.getvalue())
+
+
+def record_path(data: Path, participant: str, label: str, run: int) -> Path:
+    """Where a participant's run of a task lies."""
+    stem = f"sub-{participant}_task-{label}_run-{run}_beh.tsv"
+    return data / f"sub-{participant}" / "beh" / stem
+
+
+def runs(data: Path, participant: str, label: str) -> dict[int, Path]:
+    """The runs of a task that a participant has begun, by number."""
+    folder = data / f"sub-{participant}" / "beh"
+    found = folder.glob(f"sub-{participant}_task-{label}_run-*_beh.tsv")
+    return dict(sorted((int(m[1]), path) for path in found if (m := RUN.search(path.name))))
+
+
+def finished_runs(data: Path, participant: str, label: str, rehearsal: bool) -> list[int]:
+    """The numbers of the runs, or of the rehearsals, that a participant has finished."""
+    found = []
+    for number, path in runs(data, participant, label).items():
+        try:
+            sidecar = json.loads(path.with_suffix(".json").read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            continue  # a run that cannot be read is not one known to be finished
+        if sidecar.get("Finished") and bool(sidecar.get("Rehearsal")) == rehearsal:
+            found.append(number)
+    return found
+
+
+def unfinished(data: Path, participant: str, protocol: Protocol, rehearsal: bool) -> Record | None:
+    """The participant's latest run of this protocol, unless it is finished.
+
+    Earlier runs were left on purpose when a later one was begun.
+    """
+    for path in reversed(runs(data, participant, protocol.label).values()):
+        record = reopen(path)
+        if bool(record.sidecar.get("Rehearsal")) == rehearsal:
+            return None if record.sidecar.get("Finished") else record
+    return None
+
+
+def keep_stimulus(data: Path, digest: str, entry: Mapping[str, Any]) -> None:
+    """Copy the manifest entry of a clip that is shown into `stimuli/`, once."""
+    path = data / "stimuli" / f"{digest}.json"
+    if not path.exists():
+        write_atomic(path, json.dumps(entry, indent=2, ensure_ascii=False) + "\n")
+
+
+def source_folder(data: Path, participant: str) -> Path:
+    """Where flip logs and locks of a participant lie."""
+    folder = data / "sourcedata" / f"sub-{participant}" / "beh"
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder

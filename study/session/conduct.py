@@ -1,0 +1,245 @@
+"""One session: show, ask, record, advance, until the plan has no more trials."""
+
+import warnings
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from stimuli.errors import InputError, InputWarning
+from study.record.table import Record, as_number, as_whole
+from study.session.progress import Progress, advance, begin, may_void, next_trial, pause_due
+from study.session.stage import Answer, Stage
+from study.trials.observers import Simulated
+from study.trials.plan import Plan
+from study.trials.tasks import Screens, Task
+from study.trials.tracks import Tracks
+from study.trials.trial import ClipKey, Outcome, Trial
+
+TOO_SLOW = (
+    "this machine is too slow: trials are shown late, and no more of them are asked again; "
+    "close other programs, or render smaller clips"
+)
+PAUSE = "Take a short break. Press {go_on} to go on."
+CORRECT, WRONG = "right", "not this time"
+Hash = Callable[[ClipKey], str | None]
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How a session is shown: screen texts, answer window, tolerance, offset of the clock."""
+
+    question: str
+    welcome: str
+    thanks: str
+    pause: str
+    answer_seconds: float | None
+    late_frames_allowed: int
+    feedback: bool
+    layout: str | None
+
+
+def settings_of(plan: Plan, task: Task) -> Settings:
+    """The protocol's settings, with the task's own where the protocol is silent."""
+    file = plan.protocol.file
+    seconds = file.presentation.answer_seconds or task.answer_seconds
+    named = {
+        "first": file.keys.first,
+        "second": file.keys.second,
+        "go_on": file.keys.go_on.upper(),
+        "seconds": seconds,
+    }
+    return Settings(
+        question=file.instructions.question or task.question.format(**named),
+        welcome=file.instructions.welcome or task.welcome.format(**named),
+        thanks=file.instructions.thanks,
+        pause=file.instructions.pause or PAUSE.format(**named),
+        answer_seconds=seconds,
+        late_frames_allowed=file.presentation.late_frames_allowed,
+        feedback=file.presentation.feedback_in_practice,
+        layout=None if file.presentation.layout == task.layout else file.presentation.layout,
+    )
+
+
+def rows_of_plan(
+    plan: Plan, stage: Stage, observer: Simulated, clip_hash: Hash
+) -> Iterable[tuple[Trial, dict[str, Any]]]:
+    """A whole session of a simulated observer, trial by trial, without a record."""
+    progress = begin(plan)
+    settings = settings_of(plan, progress.task)
+    while (step := _trial(progress, stage, settings, observer)) is not None:
+        trial, outcome, progress = step
+        yield trial, row_of(progress.task, trial, outcome, clip_hash)
+
+
+def run(
+    plan: Plan,
+    stage: Stage,
+    record: Record,
+    observer: Simulated | None,
+    clip_hash: Hash,
+) -> Progress:
+    """Run or go on with a session; every answer is on the disk before the next trial starts.
+
+    Without an observer the stage's keyboard answers. Raises SessionLeft when somebody leaves; the
+    record then holds all trials so far and is not finished.
+    """
+    progress = replay_rows(plan, record.rows())
+    task = progress.task
+    settings = settings_of(plan, task)
+    earlier = record.sidecar.get("KeyTiming", [])
+    stage.tell(settings.welcome)
+    _note_timing(record, stage, earlier)
+    since_first = _since_first_flip(stage, record)
+    while (step := _trial(progress, stage, settings, observer, since_first)) is not None:
+        before = progress
+        trial, outcome, progress = step
+        record.append(row_of(task, trial, outcome, clip_hash))
+        _warn_when_slow(record, trial, outcome, settings)
+        if trial.phase == "practice" and settings.feedback and task.catch:
+            right = task.correct(trial.content, outcome.response)
+            stage.flash(CORRECT if right else WRONG)
+        if pause_due(before, progress) and next_trial(progress) is not None:
+            stage.tell(settings.pause)
+            _note_timing(record, stage, earlier)
+    record.save_sidecar(Finished=True, **track_summary(progress))
+    stage.tell(settings.thanks)
+    return progress
+
+
+def _trial(
+    progress: Progress,
+    stage: Stage,
+    settings: Settings,
+    observer: Simulated | None,
+    since_first: float = 0.0,
+) -> tuple[Trial, Outcome, Progress] | None:
+    """Show one trial and take its answer."""
+    drawn = next_trial(progress)
+    if drawn is None:
+        return None
+    trial, card = drawn
+    planned = None
+    if observer is not None:
+        generator = progress.plan.generator(3, trial.number)
+        planned = Answer(*observer.answer(trial.content, generator))
+    screens = arrange(progress.task.screens(trial.content), settings.layout)
+    shown = stage.present(screens, f"trial {trial.number}")
+    answer = stage.ask(settings.question, settings.answer_seconds, planned)
+    late = shown.late_frames > settings.late_frames_allowed
+    outcome = Outcome(
+        response=answer.response,
+        response_time=answer.response_time,
+        onset=shown.onset + since_first,
+        late_frames=shown.late_frames,
+        void=late and may_void(progress, trial, card),
+    )
+    return trial, outcome, advance(progress, trial, card, outcome)
+
+
+def arrange(screens: Screens, layout: str | None) -> Screens:
+    """The task's screens, or where a protocol says so all clips together or one by one."""
+    clips = tuple(clip for screen in screens for clip in screen)
+    layouts = {
+        None: screens,
+        "side-by-side": (clips,),
+        "one-after-other": tuple((clip,) for clip in clips),
+    }
+    return layouts[layout]
+
+
+def _note_timing(record: Record, stage: Stage, earlier: list[Any]) -> None:
+    """How this stage times keys, block by block, after what `earlier` stages did."""
+    if timing := stage.timing():
+        record.save_sidecar(KeyTiming=[*earlier, timing])
+
+
+def _since_first_flip(stage: Stage, record: Record) -> float:
+    """Seconds from the session's first flip, on whatever day it was, to this stage's."""
+    flipped = stage.first_flip()
+    if flipped is None:
+        return 0.0
+    if "FirstFlip" not in record.sidecar:
+        record.save_sidecar(FirstFlip=flipped)
+    return flipped - float(record.sidecar["FirstFlip"])
+
+
+def _warn_when_slow(record: Record, trial: Trial, outcome: Outcome, settings: Settings) -> None:
+    """Say once, aloud and in the sidecar, that late trials are no longer asked again."""
+    late = outcome.late_frames > settings.late_frames_allowed and trial.phase == "main"
+    if late and not outcome.void and not record.sidecar.get("TooSlow"):
+        record.save_sidecar(TooSlow=True)
+        warnings.warn(TOO_SLOW, InputWarning, stacklevel=2)
+
+
+def row_of(task: Task, trial: Trial, outcome: Outcome, clip_hash: Hash) -> dict[str, Any]:
+    """A row of the record."""
+    first, second = task.clips(trial.content)
+    return {
+        "trial": trial.number,
+        "phase": trial.phase,
+        "repeat_of": trial.repeat_of,
+        "onset": outcome.onset,
+        "response": outcome.response,
+        "response_time": outcome.response_time,
+        "late_frames": outcome.late_frames,
+        "void": outcome.void,
+        "clip_a": clip_hash(first),
+        "clip_b": clip_hash(second),
+        **task.row(trial.content, outcome),
+    }
+
+
+def replay_rows(plan: Plan, rows: Iterable[Mapping[str, str]]) -> Progress:
+    """The session that a record's rows leave; each row must be the trial that the plan gives.
+
+    Raises InputError naming the first row that is not.
+    """
+    progress = begin(plan)
+    for n, row in enumerate(rows, start=1):
+        drawn = next_trial(progress)
+        outcome = _outcome(row)
+        expected = None
+        if drawn is not None:
+            trial, card = drawn
+            expected = progress.task.row(trial.content, outcome)
+            found = {key: row.get(key, "") for key in expected}
+            if as_whole(row["trial"]) == trial.number and _same(expected, found):
+                progress = advance(progress, trial, card, outcome)
+                continue
+        raise InputError(
+            f"row {n} of the record is not the trial that its seed gives (expected {expected}); "
+            "the record was edited: start a new run with --restart"
+        )
+    return progress
+
+
+def _same(expected: Mapping[str, object], found: Mapping[str, str]) -> bool:
+    return all(found[k] == ("n/a" if v is None else str(v)) for k, v in expected.items())
+
+
+def _outcome(row: Mapping[str, str]) -> Outcome:
+    return Outcome(
+        response=None if row["response"] == "n/a" else row["response"],
+        response_time=as_number(row["response_time"]),
+        onset=as_number(row["onset"]) or 0.0,
+        late_frames=as_whole(row["late_frames"]) or 0,
+        void=row["void"] == "1",
+    )
+
+
+def track_summary(progress: Progress) -> dict[str, Any]:
+    """How each staircase ended, for the sidecar; nothing where the study has none."""
+    if not isinstance(progress.supply, Tracks):
+        return {}
+    return {
+        "Tracks": {
+            f"{motion}/{side}": {
+                "trials": len(track.answers),
+                "stopped_by": track.stopped_by,
+                "last_level": track.answers[-1][0] if track.answers else None,
+                "ended_at_edge": track.ended_at_edge,
+                "reversals": list(track.reversals),
+            }
+            for (motion, side), track in progress.supply.tracks.items()
+        }
+    }

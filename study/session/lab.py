@@ -1,0 +1,222 @@
+"""A session with a participant: its stimuli, its record (new or resumed), its window."""
+
+import secrets
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from filelock import FileLock, Timeout
+
+from stimuli.errors import InputError
+from study.protocol.protocol import Protocol
+from study.protocol.rendered import again_command, check_rendered
+from study.protocol.sets import references_of_manifest
+from study.record.dataset import (
+    check_participant,
+    check_twin,
+    enrol,
+    keep_stimulus,
+    prepare,
+    record_path,
+    runs,
+    source_folder,
+    unfinished,
+)
+from study.record.sidecar import sidecar_of
+from study.record.table import COMMON, MISSING, Record, create
+from study.session.conduct import run
+from study.session.stage import Stage
+from study.trials.observers import simulated
+from study.trials.plan import Plan, make_plan
+from study.trials.tasks import TASKS, Task
+from study.trials.trial import ClipKey
+
+if TYPE_CHECKING:
+    from stimuli.sets import Manifest
+
+OBSERVERS = ("human", "simulated")
+
+
+OpenStage = Callable[["Request", Plan, Task, "Manifest", Path], Stage]
+
+
+@dataclass(frozen=True)
+class Request:
+    """What was asked for: who, where the data go, and how the session is shown.
+
+    `restart` leaves an unfinished run as it is, without reading it.
+    """
+
+    participant: str
+    data: Path
+    observer: str = "human"
+    rehearsal: bool = False
+    pace: float = 1.0
+    seed: int | None = None
+    restart: bool = False
+    screen: int = 0
+    windowed: bool = False
+    lost: str = ""  # what is said when the screen goes away
+
+
+def check(request: Request, protocol: Protocol) -> None:
+    """Refuse a request that cannot be run, before anything is written or opened."""
+    check_participant(request.participant)
+    check_twin(request.data, request.participant)
+    if request.pace <= 0:
+        raise InputError(f"--pace: expected a number above 0, found {request.pace}")
+    if request.observer == "simulated" and protocol.file.observer is None:
+        raise InputError(
+            f"{protocol.name}: expected a table [observer] for a simulated observer, found none"
+        )
+
+
+def run_session(
+    request: Request,
+    protocol: Protocol,
+    manifest: "Manifest",
+    resume: Callable[[Record], bool],
+    open_stage: OpenStage,
+) -> Record:
+    """Run one session and return its record; `resume` is asked about an unfinished one.
+
+    Raises InputError when another session holds this participant's lock, or when the stimulus set
+    lacks clips; raises SessionLeft when somebody left. The record is never half
+    written. `open_stage` is called once all is known to be there.
+    """
+    check(request, protocol)
+    lock_path = source_folder(request.data, request.participant) / f"{protocol.label}.lock"
+    try:
+        with FileLock(lock_path, timeout=0):
+            return _locked(request, protocol, manifest, resume, open_stage)
+    except Timeout as error:
+        raise InputError(
+            f"{lock_path}: expected no other session of {request.participant} in this study, found "
+            "one running; close it first"
+        ) from error
+
+
+def _locked(
+    request: Request,
+    protocol: Protocol,
+    manifest: "Manifest",
+    resume: Callable[[Record], bool],
+    open_stage: OpenStage,
+) -> Record:
+    task = TASKS[protocol.file.task]
+    earlier = None
+    if not request.restart:
+        earlier = unfinished(request.data, request.participant, protocol, request.rehearsal)
+    if earlier is not None and not resume(earlier):
+        earlier = None
+    seed = request.seed
+    if earlier is not None:
+        _check_resumable(earlier, request, protocol, manifest)
+        seed = int(earlier.sidecar["Seed"])
+    elif seed is None:
+        seed = secrets.randbits(32)
+    check_rendered(protocol, manifest, request.rehearsal)
+    plan = make_plan(protocol, references_of_manifest(protocol, manifest), seed, request.rehearsal)
+    _check_clips(plan, manifest)
+    observer = simulated(plan) if request.observer == "simulated" else None
+    path = earlier.path if earlier else _new_path(request, protocol)
+    stage = open_stage(request, plan, task, manifest, _flip_log(request, path))
+    try:
+        record = earlier or _new_record(request, plan, task, manifest, stage, path)
+        if earlier is not None:
+            resumed = [*record.sidecar.get("ResumedOn", []), stage.display()]
+            record.save_sidecar(ResumedOn=resumed)
+
+        def shown(key: ClipKey) -> str:
+            clip = entry(manifest, key)
+            keep_stimulus(request.data, clip.hash, clip.document)
+            return str(clip.hash)
+
+        run(plan, stage, record, observer, shown)
+    finally:
+        stage.close()
+    return record
+
+
+def _new_path(request: Request, protocol: Protocol) -> Path:
+    number = max(runs(request.data, request.participant, protocol.label), default=0) + 1
+    return record_path(request.data, request.participant, protocol.label, number)
+
+
+def _flip_log(request: Request, record: Path) -> Path:
+    name = record.name.replace("_beh.tsv", "_flips.tsv")
+    return source_folder(request.data, request.participant) / name
+
+
+def _new_record(
+    request: Request, plan: Plan, task: Task, manifest: "Manifest", stage: Stage, path: Path
+) -> Record:
+    prepare(request.data)
+    enrol(request.data, request.participant, observer=request.observer)
+    sidecar = sidecar_of(
+        plan,
+        task,
+        observer=request.observer,
+        display=stage.display(),
+        pace=request.pace,
+        stimulus_set_hash=manifest.hash,
+    )
+    return create(path, (*COMMON, *task.columns), sidecar)
+
+
+def _check_resumable(
+    record: Record, request: Request, protocol: Protocol, manifest: "Manifest"
+) -> None:
+    """A session goes on only as it began."""
+    now = {
+        "ProtocolHash": protocol.hash,
+        "StimulusSetHash": manifest.hash,
+        "Observer": request.observer,
+        "Pace": request.pace,
+    }
+    for key, value in now.items():
+        found = record.sidecar.get(key, MISSING)
+        if found != value:
+            raise InputError(
+                f"{record.path.name}: began with {key} {found}, now it is {value}; "
+                "restore that, or start a new run with --restart"
+            )
+
+
+def _check_clips(plan: Plan, manifest: "Manifest") -> None:
+    """Every clip that the plan may show lies in the set, or the session does not start."""
+    lacking = [key for key in clips_of(plan) if not _exists(manifest, key)]
+    if lacking:
+        names = ", ".join(f"{k.motion} {k.method or k.length}" for k in lacking[:4])
+        raise InputError(
+            f"{manifest.directory}: expected all clips of {plan.protocol.name}, found none for "
+            f"{names}{' and more' if len(lacking) > 4 else ''};\n"
+            f"run `{again_command(plan.protocol, manifest.directory)}`"
+        )
+
+
+def clips_of(plan: Plan) -> list[ClipKey]:
+    """All clips that a session of this plan may show."""
+    keys = []
+    for motion in plan.motions:
+        keys += [ClipKey(motion.name, method=method) for method in plan.protocol.file.methods]
+        if motion.reference is not None:
+            k = motion.reference
+            lengths = [k, *(k - d for d in motion.shorter), *(k + d for d in motion.longer)]
+            keys += [ClipKey(motion.name, length=length) for length in lengths]
+    return keys
+
+
+def entry(manifest: "Manifest", key: ClipKey) -> Any:
+    """The manifest's entry of a clip."""
+    if key.method is not None:
+        return manifest.clip(key.motion, method=key.method)
+    return manifest.clip(key.motion, length=key.length)
+
+
+def _exists(manifest: "Manifest", key: ClipKey) -> bool:
+    try:
+        return bool(entry(manifest, key).path.is_file())
+    except (InputError, KeyError):
+        return False

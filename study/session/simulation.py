@@ -1,0 +1,98 @@
+"""Participants without a window and without stimuli: the same session code, the same record."""
+
+from collections.abc import Callable, Iterator
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+from stimuli.errors import InputError
+from study.protocol.protocol import Protocol
+from study.record.dataset import enrol, prepare, record_path, runs
+from study.record.sidecar import sidecar_of
+from study.record.table import COMMON, create
+from study.session.conduct import rows_of_plan, run
+from study.session.processes import mapped
+from study.session.stage import Nowhere
+from study.trials.observers import Simulated, simulated
+from study.trials.plan import Plan, make_plan, session_seed
+from study.trials.reading import protocol_of
+from study.trials.tasks import TASKS
+
+WORTH_A_PROCESS = 20
+LAST_NUMBER = 999_999
+
+
+def plan_of(protocol: Protocol, references: dict[str, int], seed: int, participant: int) -> Plan:
+    """The plan of the n-th simulated participant."""
+    return make_plan(protocol, references, session_seed(seed, participant))
+
+
+def rows(plan: Plan, observer: Simulated | None = None) -> Iterator[dict[str, Any]]:
+    """The rows of one simulated session, in memory; by default of the protocol's observer."""
+    observer = observer or simulated(plan)
+    for _, row in rows_of_plan(plan, _nowhere(plan), observer, lambda key: None):
+        yield row
+
+
+def simulate(
+    protocol: Protocol,
+    references: dict[str, int],
+    participants: int,
+    seed: int,
+    data: Path,
+    workers: int | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> list[Path]:
+    """Simulate sessions into the data set `data`, on all cores; returns the records.
+
+    Participants are named sim001 on; numbers that already have this task are passed over. A
+    person's own seed goes by the number in the name, so that sim013 is one person for one `seed`,
+    however many are simulated at a time.
+    """
+    numbers = _free_numbers(data, protocol.label, participants)
+    prepare(data)
+    jobs = [
+        (protocol.document, references, session_seed(seed, n - 1), data, _name(n)) for n in numbers
+    ]
+    paths = []
+    for path in mapped(_one, jobs, workers, 1 + participants // WORTH_A_PROCESS):
+        paths.append(path)
+        if progress:
+            progress(len(paths))
+    for number in numbers:
+        enrol(data, _name(number), observer="simulated")
+    return paths
+
+
+def _name(number: int) -> str:
+    return f"sim{number:03d}"
+
+
+def _free_numbers(data: Path, label: str, count: int) -> list[int]:
+    """The first numbers from 1 whose person has not done this task."""
+    free = (n for n in range(1, LAST_NUMBER + 1) if not runs(data, _name(n), label))
+    numbers = list(islice(free, count))
+    if len(numbers) < count:
+        raise InputError(f"{data}: too many simulated participants; use another directory")
+    return numbers
+
+
+def _one(job: tuple[Any, dict[str, int], int, Path, str]) -> Path:
+    """One session into its record; runs in a worker process."""
+
+    document, references, seed, data, name = job
+    protocol = protocol_of(document)
+    plan = make_plan(protocol, references, seed)
+    stage = _nowhere(plan)
+    task = TASKS[protocol.file.task]
+    path = record_path(data, name, protocol.label, 1)
+    sidecar = sidecar_of(plan, task, observer="simulated", display=stage.display())
+    record = create(path, (*COMMON, *task.columns), sidecar)
+    run(plan, stage, record, simulated(plan), lambda key: None)
+    return path
+
+
+def _nowhere(plan: Plan) -> Nowhere:
+    file = plan.protocol.file
+    seconds = file.rehearsal.seconds if plan.rehearsal else file.stimuli.seconds
+    return Nowhere(clip_seconds=seconds, gap=file.presentation.gap)

@@ -1,0 +1,10 @@
+"""The tasks that a participant can be given, by name; adding one is adding a module."""
+
+from collections.abc import Mapping
+
+from study.trials.tasks import odd_pair, preference
+from study.trials.tasks.task import Responder, Screens, Task
+
+TASKS: Mapping[str, Task] = {task.name: task for task in (odd_pair.TASK, preference.TASK)}
+
+__all__ = ["TASKS", "Responder", "Screens", "Task"]

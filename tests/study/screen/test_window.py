@@ -1,0 +1,393 @@
+"""The real window under Xvfb: a human's keys, a simulated observer, a kill, what is shown."""
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from stimuli.motion import Library
+from study.protocol.sets import set_spec
+from study.screen.priority import may_have_priority
+from study.screen.virtual import virtual_screen
+from study.trials.reading import parse_protocol
+
+ROOT = Path(__file__).resolve().parents[3]
+HOLD_SECONDS = 0.08
+KEYBOARDS = ("ptb", "x-server")
+PROTOCOL = """
+name = "window-test"
+task = "odd-pair"
+[stimuli]
+specification = "center-aligned"
+reference = 10
+lengths = [2, 18]
+seconds = 0.5
+motions = [{ name = "m", from = "a", to = "b" }]
+[sets.generated]
+a = { clip = "generated-walker-0", frame = 3 }
+b = { clip = "generated-walker-1", frame = 5 }
+[appearance]
+width = 160
+height = 120
+[presentation]
+gap = 0.1
+late_frames_allowed = 1000
+[staircase]
+rule = "wang"
+stop = { trials = 2 }
+[observer]
+shorter = -4
+longer = 4
+slope = 1.0
+"""
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A protocol and its stimulus set, of generated motion."""
+    from stimuli.motion import write_walker
+    from stimuli.sets import build
+
+    folder = tmp_path_factory.mktemp("window")
+    (folder / "p.toml").write_text(PROTOCOL)
+    for seed in (0, 1):
+        write_walker(folder / "motions", seed)
+    library = Library([folder / "motions"])
+    build(set_spec(parse_protocol(PROTOCOL), None, library), library, folder / "set", workers=1)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def screen() -> Iterator[str]:
+    with virtual_screen(640, 480) as display:
+        yield display
+
+
+def command(place: Path, participant: str, *options: str) -> list[str]:
+    return [
+        sys.executable, "-m", "study.cli", "run", str(place / "p.toml"), "--participant",
+        participant, "--data", str(place / "data"), "--stimuli", str(place / "set"), "--seed", "4",
+        "--windowed", *options,
+    ]  # fmt: skip
+
+
+def as_user(keyboard: str) -> list[str]:
+    """What makes a command that of a user who gets this keyboard; skips where none can be made."""
+    if keyboard == "ptb":
+        if not may_have_priority():
+            pytest.skip("this user may not raise a thread's priority, which psychtoolbox needs")
+        return []
+    without = ["setpriv", "--bounding-set=-sys_nice", "--inh-caps=-sys_nice"]
+    return without if may_have_priority() else []
+
+
+def record(place: Path, participant: str, run: int = 1) -> list[dict[str, str]]:
+    stem = f"sub-{participant}_task-windowtest_run-{run}_beh.tsv"
+    path = place / "data" / f"sub-{participant}" / "beh" / stem
+    if not path.exists():
+        return []
+    header, *lines = path.read_text().splitlines()
+    return [dict(zip(header.split("\t"), line.split("\t"), strict=False)) for line in lines]
+
+
+def sidecar(place: Path, participant: str) -> dict[str, object]:
+    stem = f"sub-{participant}_task-windowtest_run-1_beh.json"
+    return json.loads((place / "data" / f"sub-{participant}" / "beh" / stem).read_text())
+
+
+def press(*keys: str) -> None:
+    """Hold each key long enough to be seen."""
+    for key in keys:
+        subprocess.run(["xdotool", "keydown", key], check=True)
+        time.sleep(HOLD_SECONDS)
+        subprocess.run(["xdotool", "keyup", key], check=True)
+
+
+def press_until(process: subprocess.Popen[Any], keys: tuple[str, ...], done) -> None:
+    """Press keys in turn until `done()`, as somebody eager would."""
+    end = time.monotonic() + 60
+    while not done() and process.poll() is None and time.monotonic() < end:
+        press(*keys)
+        time.sleep(0.1)
+    assert done(), "the session did not take the keys"
+
+
+@pytest.mark.parametrize("keyboard", KEYBOARDS)
+def test_a_person_answers_by_key(place: Path, screen: str, keyboard: str) -> None:
+    person = keyboard.replace("-", "")
+    process = subprocess.Popen(
+        [*as_user(keyboard), *command(place, person)],
+        cwd=ROOT, stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    press_until(process, ("space", "2"), lambda: process.poll() is not None)
+    assert process.stderr is not None
+    with process.stderr:
+        told = process.stderr.read()
+    assert process.returncode == 0, told
+    assert ("99-psychtoolboxlimits.conf" in told) == (keyboard == "x-server")
+    table = record(place, person)
+    assert {row["response"] for row in table} == {"2"}
+    times = [float(row["response_time"]) for row in table]
+    assert all(0 <= seconds < 5 for seconds in times)
+    facts = sidecar(place, person)
+    assert facts["Finished"]
+    assert facts["Display"]["keyboard"] == keyboard
+    (timing,) = facts["KeyTiming"]
+    assert timing["keyboard"] == keyboard
+    if keyboard == "x-server":
+        assert all(0 < jitter < 2 for jitter in timing["keyboard_jitter_ms"])
+        assert all(0 <= bound < 2 for bound in timing["keyboard_uncertainty_ms"])
+    hashes = {row[c] for row in table for c in ("clip_a", "clip_b")}
+    kept = {path.stem for path in (place / "data" / "stimuli").glob("*.json")}
+    assert hashes <= kept
+
+
+def test_a_simulated_observer_sits_before_the_same_window(place: Path, screen: str) -> None:
+    done = subprocess.run(
+        command(place, "sim", "--observer", "simulated", "--pace", "4"),
+        cwd=ROOT, capture_output=True, text=True, timeout=120,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    facts = sidecar(place, "sim")
+    assert facts["Pace"] == 4.0
+    assert facts["Observer"] == "simulated"
+    onsets = np.array([float(row["onset"]) for row in record(place, "sim")])
+    assert len(onsets) == 4
+    assert (np.diff(onsets) > 0).all()
+    flips = place / "data/sourcedata/sub-sim/beh/sub-sim_task-windowtest_run-1_flips.tsv"
+    shown = [line.split("\t") for line in flips.read_text().splitlines()[1:]]
+    last_frames = {line[0]: int(line[1]) for line in shown}
+    assert len(last_frames) == 8
+    assert set(last_frames.values()) == {14}
+
+
+def test_a_killed_session_loses_no_answer_and_goes_on(place: Path, screen: str) -> None:
+    process = subprocess.Popen(command(place, "killed"), cwd=ROOT, stdin=subprocess.DEVNULL)
+    press_until(process, ("space", "1"), lambda: len(record(place, "killed")) >= 2)
+    os.kill(process.pid, signal.SIGKILL)
+    process.wait()
+    before = record(place, "killed")
+    refused = subprocess.run(
+        command(place, "killed"), cwd=ROOT, capture_output=True, text=True,
+        stdin=subprocess.DEVNULL, timeout=60,
+    )  # fmt: skip
+    assert refused.returncode == 2
+    assert "--resume" in refused.stderr
+    process = subprocess.Popen(
+        command(place, "killed", "--resume"), cwd=ROOT, stdin=subprocess.DEVNULL
+    )
+    press_until(process, ("space", "1"), lambda: process.poll() is not None)
+    assert process.returncode == 0
+    after = record(place, "killed")
+    assert after[: len(before)] == before
+    assert [row["trial"] for row in after] == ["1", "2", "3", "4"]
+    onsets = [float(row["onset"]) for row in after]
+    assert onsets == sorted(onsets)
+
+
+def test_leaving_keeps_the_record(place: Path, screen: str) -> None:
+    process = subprocess.Popen(
+        command(place, "left"), cwd=ROOT, stdin=subprocess.DEVNULL, stderr=subprocess.PIPE
+    )
+    press_until(process, ("space", "1"), lambda: len(record(place, "left")) >= 1)
+    press_until(process, ("Escape",), lambda: process.poll() is not None)
+    assert process.returncode == 1
+    assert process.stderr is not None
+    with suppress(BrokenPipeError), process.stderr:
+        assert b"--resume" in process.stderr.read()
+    assert not sidecar(place, "left")["Finished"]
+
+
+LEAVE = """
+import subprocess, threading, time
+import numpy as np
+from study.protocol.schema import Keys
+from study.screen.clips import ClipCache
+from study.screen.window import Look, WindowStage
+from study.session.stage import SessionLeft
+from study.trials.trial import ClipKey
+frames = np.zeros((90, 60, 80, 3), np.uint8)
+look = Look(Keys(), ("1", "2"), 0.0, 0.6, 30.0, (127, 127, 127))
+stage = WindowStage(look, ClipCache(lambda key: frames), None, windowed=True)
+def escape():
+    time.sleep(1.0)
+    subprocess.run(["xdotool", "keydown", "Escape"], check=True)
+    time.sleep(0.1)
+    subprocess.run(["xdotool", "keyup", "Escape"], check=True)
+threading.Thread(target=escape).start()
+try:
+    stage.present(((ClipKey("a"),),), "t")
+except SessionLeft:
+    print("left")
+stage.close()
+"""
+
+
+@pytest.mark.parametrize("keyboard", KEYBOARDS)
+def test_leaving_while_a_clip_plays_is_not_lost(screen: str, keyboard: str) -> None:
+    assert said_by(LEAVE, keyboard) == "left\n"
+
+
+TAP = """
+import subprocess, time
+from study.protocol.schema import Keys
+from study.screen.clips import ClipCache
+from study.screen.window import Look, WindowStage
+look = Look(Keys(), ("1", "2"), 0.0, 0.6, 30.0, (127, 127, 127))
+stage = WindowStage(look, ClipCache(lambda key: None), None, windowed=True)
+def press(key):
+    subprocess.run(["xdotool", "keydown", key], check=True)
+    time.sleep(0.05)
+def let_go(key):
+    subprocess.run(["xdotool", "keyup", key], check=True)
+    time.sleep(0.05)
+def draw_slowly(text):
+    let_go("1")
+    press("2")
+    let_go("2")
+press("1")
+stage._text = draw_slowly
+stage._keyboard.listen()
+print(stage.ask("?", 2.0, None).response)
+stage.close()
+"""
+
+
+@pytest.mark.parametrize("keyboard", KEYBOARDS)
+def test_a_tap_before_the_question_is_drawn_counts(screen: str, keyboard: str) -> None:
+    """A key let go again by then counts; one pressed before the last frame does not."""
+    assert said_by(TAP, keyboard) == "2\n"
+
+
+HELD = """
+import subprocess, time
+from study.protocol.schema import Keys
+from study.screen.clips import ClipCache
+from study.screen.window import Look, WindowStage
+look = Look(Keys(), ("1", "2"), 0.0, 0.6, 30.0, (127, 127, 127))
+stage = WindowStage(look, ClipCache(lambda key: None), None, windowed=True)
+keyboard = stage._keyboard
+stage._text("?")
+keyboard.listen()
+fitting = []
+for n in range(4):
+    before = keyboard.since()
+    subprocess.run(["xdotool", "keydown", "space"], check=True)
+    after = keyboard.since()
+    time.sleep(1.2 if n == 0 else 0.08)
+    subprocess.run(["xdotool", "keyup", "space"], check=True)
+    time.sleep(0.08)
+    fitting.append((before, after))
+time.sleep(0.5)
+presses = keyboard.pressed(["space", "1"])
+print(len(presses), all(a - 2e-3 <= p.seconds <= b + 2e-3 for p, (a, b) in zip(presses, fitting)))
+print(keyboard.pressed(["space"]))
+stage.close()
+"""
+
+
+@pytest.mark.parametrize("keyboard", KEYBOARDS)
+def test_a_key_is_timed_when_it_went_down_not_when_it_was_read(screen: str, keyboard: str) -> None:
+    """Read half a second late; a held key, which repeats itself, is one press."""
+    assert said_by(HELD, keyboard) == "4 True\n[]\n"
+
+
+LAYOUT = """
+import subprocess, time
+from study.protocol.schema import Keys
+from study.screen.clips import ClipCache
+from study.screen.window import Look, WindowStage
+look = Look(Keys(), ("1", "2"), 0.0, 0.6, 30.0, (127, 127, 127))
+for layout in ("de", "fr", "us"):
+    subprocess.run(["setxkbmap", layout], check=True)
+    stage = WindowStage(look, ClipCache(lambda key: None), None, windowed=True)
+    stage._text("?")
+    stage._keyboard.measure()
+    stage._keyboard.listen()
+    keys = ["z", "y", "a", "1", "space"]
+    for key in keys:
+        subprocess.run(["xdotool", "keydown", key], check=True)
+        time.sleep(0.08)
+        subprocess.run(["xdotool", "keyup", key], check=True)
+        time.sleep(0.05)
+    print(*[press.name for press in stage._keyboard.pressed(keys)])
+    stage.close()
+"""
+
+
+@pytest.mark.parametrize("keyboard", KEYBOARDS)
+def test_a_key_is_called_what_is_printed_on_it(screen: str, keyboard: str) -> None:
+    if shutil.which("setxkbmap") is None:
+        pytest.skip("no setxkbmap to change the keyboard's layout")
+    assert said_by(LAYOUT, keyboard).splitlines() == ["z y a 1 space"] * 3
+
+
+def said_by(script: str, keyboard: str) -> str:
+    done = subprocess.run(
+        [*as_user(keyboard), sys.executable, "-c", script],
+        cwd=ROOT, capture_output=True, text=True, timeout=60,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_a_bad_participant_leaves_everything_alone(place: Path, screen: str) -> None:
+    before = sorted(path for path in place.rglob("*"))
+    done = subprocess.run(
+        command(place, "../../x"), cwd=ROOT, capture_output=True, text=True, timeout=60
+    )
+    assert done.returncode == 2
+    assert len(done.stderr.splitlines()) <= 2
+    assert "letters and digits" in done.stderr
+    assert sorted(path for path in place.rglob("*")) == before
+
+
+PICTURE = """
+import sys
+from pathlib import Path
+import numpy as np
+from study.protocol.schema import Keys
+from study.screen.clips import ClipCache
+from study.screen.window import Look, WindowStage
+from study.trials.trial import ClipKey
+frames = {
+    "a": np.full((5, 60, 80, 3), (200, 40, 40), np.uint8),
+    "b": np.full((5, 60, 80, 3), (40, 40, 200), np.uint8),
+}
+frames["a"][:, :10] = (250, 250, 0)
+look = Look(Keys(), ("1", "2"), 0.0, 0.6, 30.0, (127, 127, 127), simulated=True, pace=5.0)
+stage = WindowStage(look, ClipCache(lambda key: frames[key.motion]), None, windowed=True)
+pictures = []
+flip = stage._flip
+def kept():
+    pictures.append(np.asarray(stage.picture()))
+    return flip()
+stage._flip = kept
+stage.present(((ClipKey("a"), ClipKey("b")),), "t")
+np.save(sys.argv[1], pictures[-1])
+stage.close()
+"""
+
+
+def test_clips_lie_side_by_side_upright_on_the_background(tmp_path: Path, screen: str) -> None:
+    subprocess.run([sys.executable, "-c", PICTURE, str(tmp_path / "p.npy")], cwd=ROOT, check=True)
+    picture = np.load(tmp_path / "p.npy")[..., :3]
+    height, width = picture.shape[:2]
+    row = picture[height // 2].astype(int)
+    assert row[0].tolist() == [127, 127, 127]
+    assert row[width // 4].tolist() == [200, 40, 40]
+    assert row[3 * width // 4].tolist() == [40, 40, 200]
+    assert row[width // 2].tolist() == [127, 127, 127]
+    column = picture[:, width // 4].tolist()
+    yellow, red = column.index([250, 250, 0]), column.index([200, 40, 40])
+    assert yellow < red
