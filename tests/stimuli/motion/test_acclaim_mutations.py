@@ -209,7 +209,9 @@ def test_no_line_of_a_skeleton_ends_in_a_traceback(pair, keyword, by):
             assert np.all(np.isfinite(motion.rotations))
 
 
-def mutate_real(path: Path, pair: Callable) -> None:
+def mutate_real(path: Path | None, pair: Callable) -> None:
+    if path is None:
+        pytest.skip("captured motion of another licence")
     asf = text_of(path, next(path.parent.glob(f"{path.stem.split('_')[0]}.asf")).read_bytes())
     amc = "\n".join(text_of(path, path.read_bytes()).split("\n")[:900])
     amc = amc[: re.search(r"(?s).*(?=\n\d+\s*\n)", amc).end()] + "\n"
@@ -224,12 +226,12 @@ def mutate_real(path: Path, pair: Callable) -> None:
             raise AssertionError(f"{path.name}: {name}") from error
 
 
-@pytest.mark.parametrize("path", REAL[:1], ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", REAL[:1] or [None], ids=lambda path: path and path.stem)
 def test_layouts_and_faults_of_one_captured_file(path, pair):
     mutate_real(path, pair)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("path", REAL, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", REAL or [None], ids=lambda path: path and path.stem)
 def test_layouts_and_faults_of_every_captured_file(path, pair):
     mutate_real(path, pair)
