@@ -24,7 +24,7 @@ from stimuli.motion.formats.source import check_size, fault, line_of
 from stimuli.motion.quaternions import Array
 
 _Poses = tuple[int, Array, Array]  # how many are wanted, rotations and positions to be filled
-_AT_ONCE = 3_000  # numbers
+_AT_ONCE = 1_500  # numbers
 
 
 @dataclass(frozen=True, eq=False)

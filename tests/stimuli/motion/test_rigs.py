@@ -492,3 +492,14 @@ def test_the_shape_of_every_captured_body_tells_what_its_names_do(motions):
     folders = ("accad_male1_bvh", "cmu_bvh", "cmu_asfamc", "cmu_from_amc_bvh", "other_bvh")
     for path in (path for folder in folders for path in clips_under(motions / folder)):
         assert_shape_tells_what_names_do(path)
+
+
+def test_an_armature_that_stands_a_body_up_is_folded_into_it(read):
+    """Blender's: bones rest with Z up, and the armature turns them to a world with Y up."""
+    back = turned(turned(walker(), Z_UP, rest=True), Z_UP.inv(), rest=False)
+    turning = Rotation.concatenate([Z_UP.inv()] * FRAMES)
+    found = read(under(back, "Armature", turning, NOWHERE))
+    assert np.allclose(places(found), places(read(walker())), atol=1e-6)
+    assert found.up == "Y"
+    assert found.scale == 0.01
+    assert not found.roles_missing
