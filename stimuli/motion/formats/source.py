@@ -18,6 +18,7 @@ MOST_FRAMES = 2_000_000  # 18 hours at 30 a second, 4 at 120
 MOST_ROTATIONS = 12_000_000
 LINE_END = r"\r{0,2}\n|\r"  # of any system, or of two in turn
 _LINE_END = re.compile(LINE_END.encode())
+_ANYTHING = re.compile(rb"\S")
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +63,7 @@ def shown(text: str, limit: int = 40) -> str:
 def text_bytes(path: Path, data: bytes) -> bytes:
     """The bytes of a text in one of the encodings that hold ASCII; refuses what is no text."""
     todo = "Export the motion again, or take the original file."
-    if not data.strip():
+    if not _ANYTHING.search(data):
         raise fault(path, "a motion", "an empty file", todo)
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):
         try:
