@@ -45,8 +45,7 @@ def shape_roles(skeleton: Skeleton, rotations: Array, known: Mapping[str, int]) 
         return {}
     legs, arms = pairs
     found = _limbs(tree, legs, "leg") | _limbs(tree, arms, "arm") | _head(tree, legs, arms)
-    if "left_ankle" in found and "head" in found:
-        found = _sided(skeleton, rotations, found, known)
+    found = _sided(skeleton, rotations, found, known)
     found |= trunk_roles(found | dict(known), skeleton.parents, rotations)
     taken = set(known.values())
     fitting = {r: j for r, j in found.items() if r not in known and j not in taken}
@@ -184,19 +183,28 @@ def _head(tree: _Tree, legs: _Pair, arms: _Pair) -> dict[str, int]:
 def _sided(
     skeleton: Skeleton, rotations: Array, found: dict[str, int], known: Mapping[str, int]
 ) -> dict[str, int]:
-    """The roles with left and right as the names have them, or else as the body faces."""
-    other = {role: _other_side(role) for role in found}
-    agree = sum(known.get(role) == joint for role, joint in found.items())
-    against = sum(known.get(other[role]) == joint for role, joint in found.items() if "_" in role)
-    if against > agree:
-        return {other[role]: joint for role, joint in found.items()}
-    if agree > against:
-        return found
-    if not _faces(skeleton, rotations, found):
+    """The roles with left and right as the names have them, or else as the body faces.
+
+    Arms are on the side of the legs below them. Where nothing tells, no role that has a side.
+    """
+    legs, arms = (_agreement(found, known, kind) for kind in ("hip", "shoulder"))
+    if not legs and {"left_ankle", "right_ankle", "head"} <= found.keys():
+        legs = 1 if _faces(skeleton, rotations, found) else -1
+    if legs < 0:
         found = found | _swapped(found, "hip")
-    if "left_shoulder" in found and not _above(skeleton, rotations, found):
+    if not arms and legs and "left_shoulder" in found:
+        arms = 1 if _above(skeleton, rotations, found) else -1
+    if arms < 0:
         found = found | _swapped(found, "shoulder")
-    return found
+    untold = {*([] if legs else _LIMBS_OF["hip"]), *([] if arms else _LIMBS_OF["shoulder"])}
+    return {role: joint for role, joint in found.items() if role.split("_")[-1] not in untold}
+
+
+def _agreement(found: Mapping[str, int], known: Mapping[str, int], kind: str) -> int:
+    """Above 0 if names have the legs or arms on the sides found, below if on the others."""
+    roles = [role for role in found if role.split("_")[-1] in _LIMBS_OF[kind]]
+    agree = sum(known.get(role) == found[role] for role in roles)
+    return agree - sum(known.get(_other_side(role)) == found[role] for role in roles)
 
 
 def _swapped(found: Mapping[str, int], kind: str) -> dict[str, int]:

@@ -415,6 +415,32 @@ def test_names_rule_over_the_shape(read):
     assert found.motion.skeleton.names[found.motion.skeleton.roles["left_wrist"]] == "thing"
 
 
+@pytest.mark.parametrize("named", [False, True])
+def test_without_feet_only_a_name_tells_left_from_right(read, named):
+    """Shanks that end in end sites: nothing shows where the body faces."""
+    kept = [k for k in range(len(NAMES)) if not NAMES[k].endswith(("Foot", "Toe"))]
+    place = {old: new for new, old in enumerate(kept)}
+    rig = walker()
+    ends = {place[joint]: end for joint, end in ENDS.items() if joint in place}
+    ends |= {place[joint]: (0, -41, 0) for joint in (14, 18)}
+    names = [f"bone {k}" for k in kept]
+    if named:
+        names[place[14]] = "LeftShin"
+    lame = Rig(
+        names=tuple(names),
+        parents=tuple(place.get(PARENTS[k], -1) for k in kept),
+        offsets=rig.offsets[kept],
+        ends=ends,
+        rotations=rig.rotations[[f * len(NAMES) + k for f in range(FRAMES) for k in kept]],
+        positions=rig.positions[:, kept],
+    )
+    roles = read(lame, scale=0.01).motion.skeleton.roles
+    assert roles["head"] == place[4]
+    assert ("left_hip" in roles) == named
+    if named:
+        assert (roles["left_hip"], roles["right_elbow"]) == (place[13], place[11])
+
+
 def test_what_is_no_body_gets_no_roles(read):
     arms = [0, 1, 2, *range(5, 13)]
     place = {old: new for new, old in enumerate(arms)}
