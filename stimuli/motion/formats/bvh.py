@@ -161,7 +161,9 @@ def _offsets(
             shrunk.append(joint)
         offsets[joint, axes] = mean
         kept += float(np.abs(mean).sum())
-        if len(axes) == 3 or not still.all():
+        if axes == [0, 1, 2]:
+            moves[joint] = values
+        elif len(axes) == 3 or not still.all():
             moves[joint] = np.tile(offsets[joint], (frames, 1))
             moves[joint][:, axes] = values
     names = ", ".join(tree.names[joint] for joint in shrunk[:6])
