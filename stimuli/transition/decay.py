@@ -68,7 +68,7 @@ def decay_spring(sizes: Array, speeds: Array, lengths: Array, frames: int) -> Ar
     return np.asarray((sizes + (speeds + pull * sizes) * t) * np.exp(-pull * t))
 
 
-def decay_report(decay: Decay, offsets: Offsets, frames: int) -> Mapping[str, Any]:
+def report(decay: Decay, offsets: Offsets, frames: int) -> Mapping[str, Any]:
     """What was used of each offset, for the manifest."""
     there = offsets.sizes > _LEAST
     shorter = there & (offsets.lengths < frames - _EVEN)

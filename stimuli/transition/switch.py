@@ -15,7 +15,7 @@ from stimuli.motion import quaternions as quat
 from stimuli.motion.quaternions import Array
 from stimuli.motion.skeleton import Motion
 from stimuli.transition.blend import mixed, smoothstep, spliced
-from stimuli.transition.decay import Decay, Offsets, clamped, decay_report
+from stimuli.transition.decay import Decay, Offsets, clamped, report
 from stimuli.transition.join import Join, Joined
 from stimuli.transition.knees import BACKWARDS, has_legs, knee_sines, usual_hinges
 from stimuli.transition.plants import SIDES
@@ -63,7 +63,7 @@ def join_inertialized(decay: Decay) -> Callable[[Join], Joined]:
         root = b.root[rows] + _drift(a, b, here, there, frames)
         root[:, 1] += rise * decay(height.sizes, height.speeds, height.lengths, frames)[:, 0]
         motion = spliced(a, b, here, there + frames, turned(offsets), root)
-        used = dict(decay_report(decay, offsets, frames)) | {"knees_righted": righted}
+        used = dict(report(decay, offsets, frames)) | {"knees_righted": righted}
         return Joined(motion, (here, here + frames - 1), report=MappingProxyType(used))
 
     return join_with
