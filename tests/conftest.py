@@ -36,6 +36,8 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     for report in terminalreporter.getreports("skipped"):
         _, _, why = report.longrepr
         why = why.removeprefix("Skipped: ").splitlines()[0]
+        if why.startswith("got empty parameter set"):  # of the files of a folder that is not there
+            why = ABSENT
         lacking[why] = lacking.get(why, 0) + 1
     for why, count in lacking.items():
         place = f" (it would lie in {SHARED})" if why == ABSENT else ""

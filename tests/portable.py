@@ -4,10 +4,12 @@
 
 Each setting is checked to have taken effect in the process that it is for. Under each, tests whose
 figures go through what it changes are run; under those that change arithmetic all clips of the
-shipped protocols are also planned, whose names and lengths must be the same to the letter and whose
-poses must be the same to `POSES`.
+shipped protocols are planned and their sessions simulated: names, lengths and trials must be the
+same to the letter, poses to `POSES`. Pictures, and costs in single precision, are not compared:
+their last digits are the same on one machine alone.
 """
 
+import csv
 import json
 import os
 import platform
@@ -17,32 +19,35 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stdout
 from dataclasses import dataclass, field
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 ROOT = Path(__file__).resolve().parents[1]
+PYTEST = ("-m", "pytest", "-q", "-p", "no:cacheprovider")
 POSES = 1e-9  # metres and half-angle radians between the poses of two processors
+TIMES = ("onset", "response_time")  # of a trial, seconds
 NOBODY = 65534  # an ordinary user whom every system has
 SEEDS = 20
-# Sums, products, angles and what is chosen by them; readers, whose numbers every sum starts from.
+# Patterns of tests. Sums, products, angles and what is chosen by them: what reads, joins, names,
+# dresses and frames motions, and the figures of the report; not what simulates for minutes.
 NUMBERS = (
-    "tests/stimuli/motion", "tests/stimuli/transition", "tests/stimuli/test_ties.py",
-    "tests/stimuli/sets/test_naming.py", "tests/stimuli/sets/test_layout.py",
-    "tests/stimuli/sets/test_ends.py", "tests/stimuli/sets/test_plan.py",
-    "tests/stimuli/render/test_camera.py", "tests/stimuli/render/test_shapes.py",
-    "tests/stimuli/render/test_bodies.py", "tests/analysis", "tests/papers",
-    "tests/study/protocol/test_sets.py",
+    "tests/stimuli/motion/test_[!f]*.py", "tests/stimuli/transition/test_*.py",
+    "tests/stimuli/test_ties.py", "tests/stimuli/sets/test_[!br]*.py",
+    "tests/stimuli/render/test_[bc]*.py", "tests/stimuli/render/test_shapes.py",
+    "tests/analysis/test_[!cr]*.py", "tests/analysis/test_ra*.py",
+    "tests/analysis/psychometric/test_[!c]*.py", "tests/papers/test_*.py",
+    "tests/study/**/test_sets.py", "tests/study/**/test_staircase*.py",
 )  # fmt: skip
 # Words, dates, the order of files, what may be written where, processes beside one another.
 PLACES = (
-    "tests/stimuli/motion", "tests/stimuli/sets", "tests/stimuli/render/test_video.py",
-    "tests/stimuli/transition/test_draw.py", "tests/analysis/test_record.py",
-    "tests/analysis/test_files.py", "tests/analysis/test_report.py", "tests/study",
-    "tests/test_cli.py",
+    "tests/stimuli/motion/test_[lmc]*.py", "tests/stimuli/sets/test_*.py",
+    "tests/stimuli/render/test_video.py", "tests/stimuli/transition/test_draw.py",
+    "tests/analysis/test_[fr]*.py", "tests/study/**/test_*.py", "tests/test_cli.py",
 )  # fmt: skip
 PROBE = """
 import json, os, sys, time
@@ -170,15 +175,23 @@ def tested(name: str, usual: Mapping[str, Any]) -> str:
         if setting.arithmetic and (told := differing(usual, planned(run))):
             return told
         if not setting.seeds:
-            return _failures(run("-m", "pytest", "-q", "-p", "no:cacheprovider", *setting.tests))
-        paths = [str(path.relative_to(ROOT)) for path in sorted(ROOT.glob("tests/**/test_*.py"))
-                 if "from hypothesis" in path.read_text(encoding="utf-8")]  # fmt: skip
+            return _failures(run(*PYTEST, *paths_of(setting.tests)))
+        drawn = [path for path in paths_of(("tests/**/test_*.py",))
+                 if "from hypothesis" in (ROOT / path).read_text(encoding="utf-8")]  # fmt: skip
         for seed in range(1, setting.seeds + 1):
-            words = ("-m", "pytest", "-q", "-p", "no:cacheprovider", f"--hypothesis-seed={seed}",
-                     "-m", "hypothesis and not slow", *paths)  # fmt: skip
-            if told := _failures(run(*words)):
+            words = (f"--hypothesis-seed={seed}", "-m", "hypothesis and not slow", *drawn)
+            if told := _failures(run(*PYTEST, *words)):
                 return f"seed {seed}: {told}"
     return ""
+
+
+def paths_of(patterns: Sequence[str]) -> list[str]:
+    """The files that patterns mean, in order; ValueError for one that means none."""
+    found = {pattern: sorted(ROOT.glob(pattern)) for pattern in patterns}
+    if lost := [pattern for pattern, paths in found.items() if not paths]:
+        raise ValueError(f"{', '.join(lost)}: expected tests, found none")
+    every = (path for paths in found.values() for path in paths)
+    return list(dict.fromkeys(str(path.relative_to(ROOT)) for path in every))
 
 
 def _failures(done: subprocess.CompletedProcess[str]) -> str:
@@ -186,7 +199,7 @@ def _failures(done: subprocess.CompletedProcess[str]) -> str:
 
 
 def planned(run: Callable[..., subprocess.CompletedProcess[str]]) -> dict[str, Any]:
-    """Names, lengths and poses of all clips of the shipped protocols, in a process of `run`."""
+    """Clips and trials of the shipped protocols, in a process of `run`."""
     with tempfile.TemporaryDirectory(prefix="segue-") as folder:
         path = Path(folder) / "planned.npz"
         done = run("-m", "tests.portable", "--plan", str(path))
@@ -205,20 +218,43 @@ def plan(path: Path) -> None:
     np.savez(
         path,
         names=np.array([clip.hash for clip in clips]),
+        trials=np.array(trials()),
         lengths=np.array([clip.document["length"] for clip in clips]),
         poses=np.concatenate([motion.rotations.ravel() for motion in motions]),
         roots=np.concatenate([motion.root.ravel() for motion in motions]),
     )
 
 
+def trials() -> list[str]:
+    """Every trial of two simulated people in each shipped protocol, without its times."""
+    import protocols
+    from study.cli import main as segue
+
+    rows = []
+    for path in sorted(Path(protocols.__file__).parent.glob("*.toml")):
+        with tempfile.TemporaryDirectory(prefix="segue-") as folder, redirect_stdout(StringIO()):
+            words = ("--participants", "2", "--seed", "5", "--data", folder, "--workers", "1")
+            if segue(["simulate", str(path), *words]):
+                raise RuntimeError(f"{path.name} cannot be simulated")
+            for record in sorted(Path(folder).rglob("*_beh.tsv")):
+                with record.open(encoding="utf-8", newline="") as stream:
+                    rows += [
+                        "\t".join(value for key, value in row.items() if key not in TIMES)
+                        for row in csv.DictReader(stream, delimiter="\t")
+                    ]
+    return rows
+
+
 def differing(usual: Mapping[str, Any], found: Mapping[str, Any]) -> str:
     """What tells two machines' plans apart, in words; nothing where nobody could."""
-    for key in ("names", "lengths"):
-        apart = int(np.sum(usual[key] != found[key]))
-        if apart:
-            return f"{apart} of {len(usual[key])} clips have other {key}"
+    for key in ("names", "lengths", "trials"):
+        if usual[key].shape != found[key].shape:
+            return f"{len(found[key])} {key}, {len(usual[key])} on another processor"
+        if apart := int(np.sum(usual[key] != found[key])):
+            return f"{apart} of {len(usual[key])} {key} are others"
     far = max(float(np.abs(usual[key] - found[key]).max()) for key in ("poses", "roots"))
-    print(f"   {len(usual['names'])} clips of the same names, poses apart by {far:.1g}", flush=True)
+    print(f"   {len(usual['names'])} clips of the same names, poses apart by {far:.1g}; "
+          f"{len(usual['trials'])} trials the same", flush=True)  # fmt: skip
     return "" if far < POSES else f"poses differ by {far:.1g}"
 
 

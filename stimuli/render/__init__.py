@@ -10,11 +10,11 @@ which is imported when the first picture is drawn). `video` writes and reads cli
 from stimuli.render.appearance import Appearance
 from stimuli.render.clip import group_camera, render_frames, write_clip
 from stimuli.render.strip import strip, write_png
-from stimuli.render.video import decode, write_video
+from stimuli.render.video import decode_video, write_video
 
 __all__ = [
     "Appearance",
-    "decode",
+    "decode_video",
     "group_camera",
     "render_frames",
     "strip",

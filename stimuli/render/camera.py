@@ -16,7 +16,7 @@ VIEWS = {  # name: (angle of the view's line from the heading, side of the azimu
     "behind-right": (np.pi, 1.0, 1.0),
 }
 DECIMALS = 4  # of a metre, that a camera's place is rounded to
-EQUAL = 1e-6  # of a metre's inverse: views that show a figure as large but for rounding
+AS_LARGE = 1e-6  # of a metre's inverse: views that show a figure as large but for rounding
 NEAREST = 0.3  # metres between the camera and the nearest point
 
 
@@ -78,7 +78,7 @@ def choose_camera(
         return say / float(camera.project(at, look.width, look.height)[1]), camera
 
     candidates = [seen(name) for name in names]
-    return candidates[first_least([-say for say, _ in candidates], EQUAL)][1]
+    return candidates[first_least([-say for say, _ in candidates], AS_LARGE)][1]
 
 
 def fit_camera(points: Floats, yaw: float, look: Appearance, around: float = 0.0) -> Camera:

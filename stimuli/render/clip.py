@@ -12,7 +12,7 @@ from stimuli.render.bodies import Body, bone_motion, make_body
 from stimuli.render.camera import Camera, choose_camera
 from stimuli.render.rig import moved
 from stimuli.render.shapes import Floats
-from stimuli.render.video import Frames, write_video
+from stimuli.render.video import Pictures, write_video
 
 EVERY = 23  # one vertex in so many is enough to know how far a body reaches
 SKIN = 0.02  # metres, what the vertices between those may reach further
@@ -44,7 +44,7 @@ def render_frames(
     body: Body | None = None,
     camera: Camera | None = None,
     middle: int | None = None,
-) -> Iterator[Frames]:
+) -> Iterator[Pictures]:
     """Each frame of a motion as (height, width, 3) RGB, seen three-quarter at frame `middle`."""
     from stimuli.render.scene import renderer
 

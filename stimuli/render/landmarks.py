@@ -14,7 +14,7 @@ from stimuli.motion.quaternions import Array
 from stimuli.render.reference import TOES, Reference
 
 LEG_TO_STATURE = 0.491
-SIDES = (("left", 1.0), ("right", -1.0))
+MIRRORED = (("left", 1.0), ("right", -1.0))
 INSTEAD = {
     "head": ("neck", "chest", "spine", "pelvis"),
     "neck": ("chest", "spine", "pelvis"),
@@ -43,14 +43,14 @@ class Landmarks:
 def landmarks(reference: Reference) -> Landmarks:
     """Find the landmarks; InputError where hips, knees, ankles, shoulders or elbows are missing."""
     skeleton, at = reference.skeleton, reference.positions
-    skeleton.role(*(f"{side}_{part}" for side, _ in SIDES for part in REQUIRED), "pelvis")
+    skeleton.role(*(f"{side}_{part}" for side, _ in MIRRORED for part in REQUIRED), "pelvis")
     joints = _joints(dict(skeleton.roles))
     points = {role: at[joint] for role, joint in joints.items()}
     leg = np.mean(
         [
             np.linalg.norm(points[f"{s}_hip"] - points[f"{s}_knee"])
             + np.linalg.norm(points[f"{s}_knee"] - points[f"{s}_ankle"])
-            for s, _ in SIDES
+            for s, _ in MIRRORED
         ]
     )
     stature = float(leg) / LEG_TO_STATURE
@@ -76,7 +76,7 @@ def _joints(roles: Mapping[str, int]) -> dict[str, int]:
     for role in ("spine", "chest", "neck", "head"):
         stand_ins = INSTEAD.get(role, ("pelvis",))
         joints.setdefault(role, next(joints[r] for r in stand_ins if r in joints))
-    for side, _ in SIDES:
+    for side, _ in MIRRORED:
         for part in ("clavicle", "wrist", "toe"):
             names = (r if r in joints else f"{side}_{r}" for r in INSTEAD[part])
             joints.setdefault(f"{side}_{part}", next(joints[r] for r in names if r in joints))
@@ -86,7 +86,7 @@ def _joints(roles: Mapping[str, int]) -> dict[str, int]:
 def _wrists(points: Mapping[str, Array], roles: Mapping[str, int], stature: float) -> dict:
     """Wrists, and fingertips: longer where the forearm is short, as if the fist were open."""
     found = {}
-    for side, _ in SIDES:
+    for side, _ in MIRRORED:
         elbow, shoulder = points[f"{side}_elbow"], points[f"{side}_shoulder"]
         arm = (elbow - shoulder) / np.linalg.norm(elbow - shoulder)
         wrist = points[f"{side}_wrist"]
@@ -101,8 +101,8 @@ def _wrists(points: Mapping[str, Array], roles: Mapping[str, int], stature: floa
 
 def _sole(points: Mapping[str, Array], roles: Mapping[str, int], stature: float) -> float:
     """Height of the soles, from the toe joints where there are any, else below the ankles."""
-    ankle = min(points[f"{side}_ankle"][1] for side, _ in SIDES)
-    toes = [points[f"{side}_toe"][1] for side, _ in SIDES if f"{side}_toe" in roles]
+    ankle = min(points[f"{side}_ankle"][1] for side, _ in MIRRORED)
+    toes = [points[f"{side}_toe"][1] for side, _ in MIRRORED if f"{side}_toe" in roles]
     wanted = min(toes) - 0.013 * stature if toes else ankle - 0.043 * stature
     return float(np.clip(wanted, ankle - 0.052 * stature, ankle - 0.034 * stature))
 
@@ -110,7 +110,7 @@ def _sole(points: Mapping[str, Array], roles: Mapping[str, int], stature: float)
 def _feet(points: Mapping[str, Array], roles: Mapping[str, int], stature: float) -> dict:
     """Where each foot points, as its ball: a tenth of the leg's length ahead of the ankle."""
     found = {}
-    for side, sign in SIDES:
+    for side, sign in MIRRORED:
         ahead = np.array([sign * np.sin(TOES), 0.0, np.cos(TOES)])
         if f"{side}_toe" in roles:
             level = (points[f"{side}_toe"] - points[f"{side}_ankle"]) * [1, 0, 1]

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from stimuli.render.shapes import DENSE, Floats, Part
 
-SIDES = 20
+FACETS = 20
 RINGS = 14
 CAP_RINGS = 5
 
@@ -23,7 +23,7 @@ def loft(part: Part) -> tuple[Floats, NDArray[np.int32], Floats]:
     width, depth, shift = (
         np.interp(place, stations, curve) for curve in (part.widths, part.depths, part.shift)
     )
-    angle = np.linspace(0, 2 * np.pi, SIDES, endpoint=False)
+    angle = np.linspace(0, 2 * np.pi, FACETS, endpoint=False)
     local = np.stack(
         np.broadcast_arrays(
             (scale * width)[:, None] * np.sin(angle),
@@ -35,15 +35,15 @@ def loft(part: Part) -> tuple[Floats, NDArray[np.int32], Floats]:
     points = part.start + local @ part.frame
     if part.floor is not None:
         points[:, 1] = np.maximum(points[:, 1], part.floor)
-    return points, _tube(len(place)), np.repeat(place, SIDES)
+    return points, _tube(len(place)), np.repeat(place, FACETS)
 
 
 def _tube(rows: int) -> NDArray[np.int32]:
     """(T, 3) faces between neighbouring rings of a tube of `rows` rings."""
-    row, side = np.meshgrid(np.arange(rows - 1), np.arange(SIDES), indexing="ij")
-    here = (row * SIDES + side).ravel()
-    right = (row * SIDES + (side + 1) % SIDES).ravel()
-    above, across = here + SIDES, right + SIDES
+    row, side = np.meshgrid(np.arange(rows - 1), np.arange(FACETS), indexing="ij")
+    here = (row * FACETS + side).ravel()
+    right = (row * FACETS + (side + 1) % FACETS).ravel()
+    above, across = here + FACETS, right + FACETS
     faces = np.concatenate(
         [np.stack([here, right, across], axis=-1), np.stack([here, across, above], axis=-1)]
     )

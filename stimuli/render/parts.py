@@ -7,7 +7,7 @@ figure, the same for every skeleton.
 import numpy as np
 
 from stimuli.motion.quaternions import Array
-from stimuli.render.landmarks import SIDES, Landmarks
+from stimuli.render.landmarks import MIRRORED, Landmarks
 from stimuli.render.shapes import DENSE, Part, profile
 
 LEFT, UP, AHEAD = np.eye(3)
@@ -23,7 +23,7 @@ FOREARM = (0.0205, 0.0225, 0.0205, 0.0165, 0.0150)
 def body_parts(marks: Landmarks) -> tuple[Part, ...]:
     """All parts, limb by limb; within a limb each is joined to those before it."""
     limbs = [*_trunk(marks), *_head(marks)]
-    for side, sign in SIDES:
+    for side, sign in MIRRORED:
         limbs += [*_arm(marks, side, sign), *_leg(marks, side)]
     return tuple(limbs)
 
@@ -74,7 +74,7 @@ def _trunk(marks: Landmarks) -> list[Part]:
             caps=(0.070, 0.036), limb="trunk", blend=0.042,
         )
     ]  # fmt: skip
-    for side, sign in SIDES:
+    for side, sign in MIRRORED:
         root = at["nape"] + np.array([sign * 0.014, 0.020, -0.006]) * size
         tip = at[f"{side}_shoulder"] + np.array([-sign * 0.016, 0.003, 0.0]) * size
         bones = ((0.2, chest), (0.8, f"{side}_clavicle"))

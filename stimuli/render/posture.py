@@ -15,7 +15,7 @@ from stimuli.motion.kinematics import forward, headings
 from stimuli.motion.quaternions import Array
 from stimuli.motion.skeleton import Motion
 
-UPRIGHT = np.radians(35.0)
+WITHIN_UPRIGHT = np.radians(35.0)
 MOST_TILT, MOST_PITCH = np.radians([30.0, 20.0])
 
 
@@ -39,7 +39,7 @@ def usual_posture(motion: Motion, head: int) -> Posture:
         for part in ("hip", "shoulder")
     )
     trunk = shoulders - hips
-    chosen = trunk[:, 1] > np.cos(UPRIGHT) * np.linalg.norm(trunk, axis=1)
+    chosen = trunk[:, 1] > np.cos(WITHIN_UPRIGHT) * np.linalg.norm(trunk, axis=1)
     chosen = chosen if chosen.any() else np.ones_like(chosen)
     tilt = 0.0
     if "neck" in roles and "head" in roles and roles["neck"] != roles["head"]:

@@ -20,7 +20,7 @@ from stimuli.ties import first_least
 ARM, THIGH, SHANK, TOES = np.radians([50.0, 7.0, 4.0, 8.0])
 STRAIGHT = np.radians(25.0)
 LOOKED_AT = 200
-EQUAL = 1e-9  # radians²: frames as near to the A-pose, as the two ends of a loop are
+AS_NEAR = 1e-9  # radians²: frames as near to the A-pose, as the two ends of a loop are
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,7 +124,7 @@ def _straightest(motion: Motion) -> int:
         if role in roles and other in roles:
             bone = _unit(positions[:, roles[other]] - positions[:, roles[role]])
             score += np.arccos(np.clip(bone @ wanted, -1, 1)) ** 2
-    return int(frames[first_least(score, EQUAL)])
+    return int(frames[first_least(score, AS_NEAR)])
 
 
 def _swung(skeleton: Skeleton, positions: Array, orientations: Array, neck_tilt: float) -> Array:

@@ -12,7 +12,7 @@ import numpy as np
 
 from stimuli.motion import quaternions as quat
 from stimuli.motion.quaternions import Array
-from stimuli.render.landmarks import SIDES, Landmarks
+from stimuli.render.landmarks import MIRRORED, Landmarks
 from stimuli.render.reference import Reference
 from stimuli.render.shapes import Floats
 
@@ -47,7 +47,7 @@ def make_rig(reference: Reference, marks: Landmarks) -> Rig:
         rows[f"trunk{k}"] = (joint, joint, up)
     for role in ("neck", "head"):
         rows[role] = (marks.joints[role], marks.joints[role], up)
-    for side, _ in SIDES:
+    for side, _ in MIRRORED:
         for part in CARRIERS:
             joint = marks.joints[f"{side}_{part}"]
             rows[f"{side}_{part}"] = (joint, joint, up)

@@ -25,8 +25,8 @@ from stimuli.render.camera import Camera
 from stimuli.render.light import shade
 from stimuli.render.rig import moved
 from stimuli.render.shapes import Floats
+from stimuli.render.video import Pictures
 
-Frames = NDArray[np.uint8]
 GRAPHICS = (
     "install libegl1 libegl-mesa0 libgl1 libgl1-mesa-dri (Debian; it needs no screen and no card), "
     "or render on another machine and bring the set over"
@@ -55,13 +55,13 @@ class Renderer:
         self._buffer = np.ones((len(skin.points), 7), dtype=np.float32)
         self._drawing._update_context(self._scene, self._flags)
 
-    def frames(self, bone_motion: NDArray[np.float32]) -> Iterator[Frames]:
+    def frames(self, bone_motion: NDArray[np.float32]) -> Iterator[Pictures]:
         """A picture (height, width, 3) RGB for each frame of the bones' motion (F, B, 8)."""
         skin = self.skin
         for bones in bone_motion:
             yield self.draw(*moved(skin.weights, bones, skin.points, skin.normals))
 
-    def draw(self, points: Floats, normals: Floats) -> Frames:
+    def draw(self, points: Floats, normals: Floats) -> Pictures:
         """One picture (height, width, 3) of the skin at `points` with `normals` (V, 3)."""
         from OpenGL import GL
 
@@ -176,8 +176,8 @@ def _program() -> Any:
 
     with TemporaryDirectory(prefix="segue-") as folder:
         vertex, fragment = Path(folder, "figure.vert"), Path(folder, "figure.frag")
-        vertex.write_text(VERTEX)
-        fragment.write_text(FRAGMENT)
+        vertex.write_text(VERTEX, encoding="utf-8")
+        fragment.write_text(FRAGMENT, encoding="utf-8")
         program = ShaderProgram(str(vertex), str(fragment))
         program._add_to_context()
     return program
@@ -196,7 +196,7 @@ def _drawing(pyrender: Any) -> Any:
             self.figure_program = self.figure_program or _program()
             return self.figure_program
 
-        def _read_main_framebuffer(self, scene: Any, flags: int) -> Frames:
+        def _read_main_framebuffer(self, scene: Any, flags: int) -> Pictures:
             x, y, width, height = self.box
             corners = (x, y, x + width, y + height)
             GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, self._main_fb_ms)

@@ -5,14 +5,14 @@ from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stimuli.files import write_atomic
+from stimuli.render.video import Pictures
 
-Frames = NDArray[np.uint8]
 
-
-def strip(frames: Sequence[Frames] | Frames, count: int = 8, middle: int | None = None) -> Frames:
+def strip(
+    frames: Sequence[Pictures] | Pictures, count: int = 8, middle: int | None = None
+) -> Pictures:
     """(height, width', 3) `count` frames side by side, cropped to what moves.
 
     Around frame `middle` they are a tenth of the clip apart at most; without it they are spread
@@ -29,7 +29,7 @@ def strip(frames: Sequence[Frames] | Frames, count: int = 8, middle: int | None 
     return np.concatenate(list(shown[:, :, left:right]), axis=1)
 
 
-def write_png(path: Path, picture: Frames) -> None:
+def write_png(path: Path, picture: Pictures) -> None:
     """Write a picture (height, width, 3) as PNG, whole or not at all."""
     import av
 
@@ -42,7 +42,7 @@ def write_png(path: Path, picture: Frames) -> None:
     write_atomic(path, b"".join(bytes(packet) for packet in packets))
 
 
-def _columns(pictures: Frames, border: int = 12) -> tuple[int, int]:
+def _columns(pictures: Pictures, border: int = 12) -> tuple[int, int]:
     """First and last column in which any picture differs from its own corner."""
     differs = np.any(pictures != pictures[:, :1, :1], axis=(0, 1, 3))
     moving = np.flatnonzero(differs)

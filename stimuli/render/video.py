@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from stimuli.errors import InputError
 from stimuli.files import permitted
 
-Frames = NDArray[np.uint8]
+Pictures = NDArray[np.uint8]
 
 
-def write_video(path: Path, frames: Iterable[Frames], fps: float) -> int:
+def write_video(path: Path, frames: Iterable[Pictures], fps: float) -> int:
     """Write frames (height, width, 3) to `path`, whole or not at all; returns their number.
 
     The suffix decides: .mkv is lossless FFV1, .mp4 is H.264. InputError for any other.
@@ -44,7 +44,7 @@ def write_video(path: Path, frames: Iterable[Frames], fps: float) -> int:
     return count
 
 
-def decode(path: Path) -> Frames:
+def decode_video(path: Path) -> Pictures:
     """(F, height, width, 3) RGB frames of a clip; InputError for a file that is no video."""
     import av
 
@@ -59,7 +59,7 @@ def decode(path: Path) -> Frames:
     return np.stack(frames)
 
 
-def _encode(path: Path, frames: Iterable[Frames], fps: float) -> int:
+def _encode(path: Path, frames: Iterable[Pictures], fps: float) -> int:
     import av
 
     count = 0
@@ -77,7 +77,7 @@ def _encode(path: Path, frames: Iterable[Frames], fps: float) -> int:
     return count
 
 
-def _ffv1(container: Any, picture: Frames, rate: Fraction) -> Any:
+def _ffv1(container: Any, picture: Pictures, rate: Fraction) -> Any:
     """Lossless: RGB without chroma loss, a checksum in every slice, every frame on its own."""
     stream = container.add_stream(
         "ffv1", rate=rate, options={"level": "3", "slices": "4", "slicecrc": "1", "g": "1"}
@@ -85,18 +85,18 @@ def _ffv1(container: Any, picture: Frames, rate: Fraction) -> Any:
     return _sized(stream, picture, "bgr0")
 
 
-def _h264(container: Any, picture: Frames, rate: Fraction) -> Any:
+def _h264(container: Any, picture: Pictures, rate: Fraction) -> Any:
     """For looking at on any machine, visually lossless."""
     stream = container.add_stream("libx264", rate=rate, options={"crf": "16", "preset": "medium"})
     halves = picture.shape[0] % 2 == picture.shape[1] % 2 == 0
     return _sized(stream, picture, "yuv420p" if halves else "yuv444p")
 
 
-def _sized(stream: Any, picture: Frames, pixels: str) -> Any:
+def _sized(stream: Any, picture: Pictures, pixels: str) -> Any:
     stream.height, stream.width = picture.shape[:2]
     stream.pix_fmt = pixels
     stream.codec_context.thread_count = 1  # a worker a core already
     return stream
 
 
-ENCODERS: Mapping[str, Callable[[Any, Frames, Fraction], Any]] = {".mkv": _ffv1, ".mp4": _h264}
+ENCODERS: Mapping[str, Callable[[Any, Pictures, Fraction], Any]] = {".mkv": _ffv1, ".mp4": _h264}

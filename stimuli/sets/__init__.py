@@ -1,8 +1,9 @@
 """A stimulus set: which clips a study needs, how each is laid out in time, rendered once.
 
 `spec` says what is wanted, `plan` which lengths that means, `layout` how a clip is cut out of a
-transition, `building` renders what is missing in processes of their own (`workers`), `manifest`
-is what a session reads. Nothing here opens a window or imports OpenGL in this process.
+transition, `naming` what it is called, by what goes into it; `building` renders what is missing in
+processes of their own (`workers`), `manifest` is what a session reads. Nothing here opens a window
+or imports OpenGL in this process.
 """
 
 from stimuli.render.appearance import Appearance

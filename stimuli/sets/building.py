@@ -16,13 +16,13 @@ from stimuli.errors import InputError
 from stimuli.files import write_atomic
 from stimuli.motion.library import Library
 from stimuli.sets.group import PlannedClip, PlannedGroup, plan_group
-from stimuli.sets.manifest import FORMAT, NAME, Manifest, from_document, set_hash
+from stimuli.sets.manifest import FORMAT, MANIFEST, Manifest, from_document, set_hash
 from stimuli.sets.plan import resolve
 from stimuli.sets.spec import SetSpec
-from stimuli.sets.workers import Job, Rendered, render_all
+from stimuli.sets.workers import Rendered, RenderJob, render_all
 
 CLIPS = "clips"
-Progress = Callable[[int, int], None]
+ClipProgress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ def build(
     out: Path,
     *,
     workers: int | None = None,
-    progress: Progress | None = None,
+    progress: ClipProgress | None = None,
 ) -> Manifest:
     """Render what is missing of a set in `workers` processes and write its manifest.
 
@@ -94,12 +94,16 @@ def _order(groups: Sequence[PlannedGroup]) -> list[str]:
 
 
 def _built(
-    spec: SetSpec, groups: list[PlannedGroup], out: Path, workers: int | None, progress: Progress
+    spec: SetSpec,
+    groups: list[PlannedGroup],
+    out: Path,
+    workers: int | None,
+    progress: ClipProgress,
 ) -> Manifest:
     _tidy(out)
     missing = set(_inventory(groups, out).missing)
     jobs = {
-        clip.hash: Job(
+        clip.hash: RenderJob(
             _file(out, clip.hash),
             group.body.skin,
             clip.bones,
@@ -132,7 +136,7 @@ def _built(
             _tidy(out)
     text = json.dumps(_document(spec, groups, out), indent=1, ensure_ascii=False, allow_nan=False)
     text += "\n"
-    path = out / NAME
+    path = out / MANIFEST
     if not path.exists() or path.read_text(encoding="utf-8") != text:
         write_atomic(path, text)
     # What a later `load_manifest` gives: tuples and lists are one thing on the disk.

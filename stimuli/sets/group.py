@@ -19,7 +19,7 @@ from stimuli.sets.layout import LaidOut, lay_out
 from stimuli.sets.naming import RECIPE, clip_names, joining, motion_digest, same_pictures
 from stimuli.sets.plan import ResolvedPairing
 from stimuli.sets.spec import SetSpec
-from stimuli.transition.measures import measures
+from stimuli.transition.measures import transition_measures
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,7 +133,7 @@ def _planned(
         "measures": {
             key: value if value is None else round(value, 6)
             for key, value in {
-                **measures(clip.transition, reference.transition),
+                **transition_measures(clip.transition, reference.transition),
                 **end_displacements(clip, reference),
             }.items()
         },

@@ -10,7 +10,7 @@ from stimuli.errors import InputError
 from stimuli.sets.naming import digest
 
 FORMAT = 1
-NAME = "manifest.json"
+MANIFEST = "manifest.json"
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,12 +62,12 @@ class Manifest:
 
 def load_manifest(directory: Path) -> Manifest:
     """The set in a directory; InputError where there is none, or its manifest cannot be read."""
-    path = directory / NAME
+    path = directory / MANIFEST
     try:
         document = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError as error:
         raise InputError(
-            f"{directory}: expected a stimulus set, found no {NAME}.\n"
+            f"{directory}: expected a stimulus set, found no {MANIFEST}.\n"
             "Build it with segue render, or name another with --stimuli."
         ) from error
     except (OSError, ValueError) as error:
@@ -91,7 +91,7 @@ def from_document(directory: Path, document: Mapping[str, Any]) -> Manifest:
         )  # fmt: skip
     except (KeyError, TypeError) as error:
         raise InputError(
-            f"{directory / NAME}: expected the key {error} of a manifest, found none.\n"
+            f"{directory / MANIFEST}: expected the key {error} of a manifest, found none.\n"
             "Build the set again with segue render."
         ) from error
 

@@ -33,7 +33,7 @@ ENVIRONMENT = {
 
 
 @dataclass(frozen=True, eq=False)
-class Job:
+class RenderJob:
     """A clip to render: how a skin's bones (F, B, 8) move, seen by a camera."""
 
     path: Path
@@ -46,14 +46,20 @@ class Job:
 
 @dataclass(frozen=True)
 class Rendered:
-    """A clip that was rendered: how many frames, and the SHA-256 of their RGB bytes in order."""
+    """A clip that was rendered: how many frames, and the SHA-256 of their RGB bytes in order.
+
+    Another machine's rasteriser may shade the edge of a figure otherwise, so that this hash tells
+    whether a file was damaged, not whether two clips are one: their names do.
+    """
 
     path: Path
     frames: int
     frames_sha256: str
 
 
-def render_all(jobs: Sequence[Job], workers: int | None, done: Callable[[Rendered], None]) -> None:
+def render_all(
+    jobs: Sequence[RenderJob], workers: int | None, done: Callable[[Rendered], None]
+) -> None:
     """Render jobs in `workers` processes (default: all cores); `done` is called for each.
 
     MachineError or RuntimeError when a worker fails or dies; clips rendered before stay.
@@ -161,16 +167,16 @@ def _work(pipe: Connection) -> None:
             drawing.close()
 
 
-def _next(pipe: Connection) -> Job | None:
+def _next(pipe: Connection) -> RenderJob | None:
     try:
         job = pipe.recv()
     except EOFError:
         return None
-    assert job is None or isinstance(job, Job)
+    assert job is None or isinstance(job, RenderJob)
     return job
 
 
-def _outcome(job: Job, drawing: Any) -> Rendered | BaseException:
+def _outcome(job: RenderJob, drawing: Any) -> Rendered | BaseException:
     """The clip's frames written and hashed, or what went wrong."""
     from stimuli.render.video import write_video
 

@@ -6,7 +6,7 @@ and how the two motions are joined, in the start-end or the center-aligned speci
 
 from stimuli.transition.distance import cost_matrix, pose_distance
 from stimuli.transition.length import Length
-from stimuli.transition.measures import measures
+from stimuli.transition.measures import transition_measures
 from stimuli.transition.methods import METHODS, Method, Transition, blend_length, transition
 from stimuli.transition.room import with_room
 from stimuli.transition.weights import WEIGHTS
@@ -23,8 +23,8 @@ __all__ = [
     "blend_length",
     "cost_matrix",
     "longest_fitting",
-    "measures",
     "pose_distance",
     "transition",
+    "transition_measures",
     "with_room",
 ]

@@ -13,7 +13,7 @@ def smoothstep(weights: Array) -> Array:
     return weights * weights * (3.0 - 2.0 * weights)
 
 
-def mixed(
+def interpolated_poses(
     rotations_a: Array, root_a: Array, rotations_b: Array, root_b: Array, weights: Array
 ) -> tuple[Array, Array]:
     """Rotations (N, J, 4) by slerp on the shorter arc and root (N, 3) by linear interpolation.
@@ -42,7 +42,7 @@ def blend_weighted(a: Motion, b: Motion, window: Window, weights: Array) -> Moti
     """The same with weights of B given, (N,) or for each joint (N, J)."""
     from_a = slice(window.first, window.last + 1)
     from_b = slice(window.first + window.lag, window.last + window.lag + 1)
-    rotations, root = mixed(
+    rotations, root = interpolated_poses(
         a.rotations[from_a], a.root[from_a], b.rotations[from_b], b.root[from_b], weights
     )
     return spliced(a, b, window.first, window.last + window.lag + 1, rotations, root)

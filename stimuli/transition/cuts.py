@@ -10,7 +10,7 @@ from stimuli.motion.quaternions import Array
 from stimuli.motion.skeleton import Motion
 from stimuli.transition.distance import cost_matrix
 from stimuli.transition.methods import Transition, transition
-from stimuli.transition.points import TRIVIAL, Point, cheapest
+from stimuli.transition.points import TRIVIAL, TransitionPoint, cheapest
 from stimuli.transition.room import with_room
 from stimuli.transition.weights import Weights
 
@@ -24,7 +24,7 @@ def best_cut(
     clip_frames: int = CLIP_FRAMES,
     trivial: int = TRIVIAL,
     specification: str = "start-end",
-) -> tuple[Transition, Point]:
+) -> tuple[Transition, TransitionPoint]:
     """`a` cut to `b` at the cheapest cell of the cost that leaves half a clip on both sides.
 
     A loop has that room everywhere, since it is unrolled. Where a motion is cut to itself, cells

@@ -56,7 +56,7 @@ def near_the_dissertations(length: LengthBy) -> bool:
     return 9 <= length("geodesic").frames <= 20
 
 
-CONDITIONS: Mapping[str, Condition] = {
+POINT_CONDITIONS: Mapping[str, Condition] = {
     "study-one": away_from_fixed,
     "study-two": velocity_away_from_fixed,
     "study-three": time_is_warped,

@@ -11,7 +11,7 @@ from stimuli.motion.roles import LIMBS
 from stimuli.motion.skeleton import Motion
 from stimuli.ties import ROUNDING
 from stimuli.transition.distance import check_pair, joint_rotations, joint_velocities, root_cost
-from stimuli.transition.points import TRIVIAL, Point, cheapest
+from stimuli.transition.points import TRIVIAL, TransitionPoint, cheapest
 from stimuli.transition.weights import SIDES, Weights, tied
 
 TRUNK = ("pelvis", "spine", "chest", "neck", "head")
@@ -46,7 +46,7 @@ class Fit:
 
 
 @dataclass(frozen=True)
-class Left:
+class LeftOut:
     """One labelled transition left out: how far the best transition point moved without it.
 
     `without` is None where it cannot be left out, and `reason` says why. `periods` are those of
@@ -54,8 +54,8 @@ class Left:
     """
 
     row: int
-    best: Point
-    without: Point | None
+    best: TransitionPoint
+    without: TransitionPoint | None
     reason: str = ""
     periods: tuple[float | None, float | None] = (None, None)
 
@@ -144,7 +144,7 @@ def leave_one_out(
     *,
     before: int = 0,
     after: int = 0,
-) -> tuple[list[Left], list[Left]]:
+) -> tuple[list[LeftOut], list[LeftOut]]:
     """How far the best transition point moves when one labelled transition is left out (IV.3).
 
     The first list judges on the motions of the transition left out, the second on `other`, a
@@ -158,7 +158,7 @@ def leave_one_out(
 
     def judged(
         a: Motion, b: Motion, asked: Sequence[int], tell: Callable[[float], None]
-    ) -> list[Left]:
+    ) -> list[LeftOut]:
         """The rows asked for, judged on one pair of motions; `tell` takes the share done."""
         sets = [whole, *(weights for row in asked if (weights := fits[row][0]) is not None)]
         found = _best_points(a, b, np.array(sets), parts, velocity_weight, before, after, tell)
@@ -166,14 +166,16 @@ def leave_one_out(
         without = iter(others)
         periods = (_period(a), _period(b))
         return [
-            Left(row, best, None if fits[row][0] is None else next(without), fits[row][1], periods)
+            LeftOut(
+                row, best, None if fits[row][0] is None else next(without), fits[row][1], periods
+            )
             for row in asked
         ]
 
     pairs: dict[tuple[int, int], list[int]] = {}
     for row, t in enumerate(transitions):
         pairs.setdefault((id(t.a), id(t.b)), []).append(row)
-    own: dict[int, Left] = {}
+    own: dict[int, LeftOut] = {}
     for asked in pairs.values():
         first, tell = transitions[asked[0]], _shares(progress, len(own), len(asked))
         own |= {left.row: left for left in judged(first.a, first.b, asked, tell)}
@@ -197,12 +199,12 @@ def _best_points(
     before: int,
     after: int,
     tell: Callable[[float], None],
-) -> list[Point]:
+) -> list[TransitionPoint]:
     """The cheapest cell under each set of weights (K, P), the first of equals.
 
     Block by block of frames of `a`; one frame more on either side gives the velocities.
     """
-    best: list[Point | None] = [None] * len(sets)
+    best: list[TransitionPoint | None] = [None] * len(sets)
     trivial = TRIVIAL if a.same_as(b) else -1
     size = max(1, CELLS // (len(parts) * len(b)))
     for first in range(0, len(a), size):
@@ -216,7 +218,7 @@ def _best_points(
             cost = root + np.tensordot(weights, distances, axes=1)
             found, held = cheapest(cost, before - first, after), best[row]
             if found is not None and (held is None or found.cost < held.cost - ROUNDING):
-                best[row] = Point(found.i + first, found.j, found.cost)
+                best[row] = TransitionPoint(found.i + first, found.j, found.cost)
         tell(last / len(a))
     found_all = [point for point in best if point is not None]
     if len(found_all) < len(best):
@@ -252,7 +254,7 @@ def _joints(motion: Motion, part: str) -> set[int]:
     return {motion.skeleton.roles[role] for role in _roles(part)}
 
 
-def summary(left: Sequence[Left]) -> Mapping[str, float | int | None]:
+def summary(left: Sequence[LeftOut]) -> Mapping[str, float | int | None]:
     """Of those that can be left out: how many, how many points did not move, mean and median.
 
     Mean and median of the frames moved are None where there is none such.

@@ -14,16 +14,16 @@ from stimuli.transition.hold import EASE, SETTLE, corrections, slid, touching
 from stimuli.transition.ik import bend_axis, reach_out
 from stimuli.transition.plants import (
     LEVEL,
-    SIDES,
     Contacts,
     LegPose,
     contacts,
     floor_steps,
     leg_pose,
     legs_of,
-    runs,
+    spans,
 )
 from stimuli.transition.reach import SINKING, reached, sinking
+from stimuli.transition.weights import SIDES
 from stimuli.transition.window import Window
 
 
@@ -36,7 +36,7 @@ def lock_feet(motion: Motion, a: Motion, b: Motion, window: Window) -> Motion:
     first = max(window.first - EASE, 0)
     carried = _carried(contacts(a), contacts(b), window, slice(first, len(motion)))
     blend = (window.first - first, window.last - first)
-    plants = [runs(carried.stands[:, side]) for side in range(len(SIDES))]
+    plants = [spans(carried.stands[:, side]) for side in range(len(SIDES))]
     lasts = [last for of_side in plants for _, last in touching(of_side, *blend)]
     if not lasts:
         return motion

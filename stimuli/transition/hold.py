@@ -19,8 +19,10 @@ SETTLE = 16  # frames at the most over which it goes, after a plant
 HELD = 300.0  # frames²: what a metre a frame of slide counts beside a metre a frame² added
 SMALL = 1e-4  # the same for a metre of correction in a swing, a frame⁴
 CREEP = 0.01  # and where the foot stands: who stands on creeps back within seconds
-CLOSE = 0.3  # the same for a metre from as far as the leg reaches, where that is not far enough
-LEAST = 1e-6  # metres a frame that a step may differ from the captured one, and is left as it is
+TOWARD = 0.3  # the same for a metre from as far as the leg reaches, where that is not far enough
+UNCHANGED = (
+    1e-6  # metres a frame that a step may differ from the captured one, and is left as it is
+)
 FAINT = 4e-4  # metres a frame by which steps differ without anybody seeing it
 
 Plant = tuple[int, int]  # first and last frame
@@ -37,7 +39,7 @@ def slid(steps: Array, captured: Array) -> Array:
     None where the foot does as it was captured, which no blend has put there; all of them where a
     blend has changed them visibly.
     """
-    changed = np.maximum(quat.norm(steps - captured) - LEAST, 0.0) ** 4
+    changed = np.maximum(quat.norm(steps - captured) - UNCHANGED, 0.0) ** 4
     return steps * (changed / (changed + FAINT**4))[..., None]
 
 
@@ -71,7 +73,7 @@ def corrections(
         wanted[of_blend] = -steps[of_blend]
     weight[:-1] *= 1 - short
     weight[1:] *= 1 - short
-    pull = CLOSE * short
+    pull = TOWARD * short
     part, rows = slice(first, stop + 1), slice(first, stop)
     shift[rows] = _smoothest(
         weight[part],

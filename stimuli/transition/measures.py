@@ -13,7 +13,7 @@ from stimuli.transition.methods import Transition
 from stimuli.transition.plants import contacts, leg_pose
 from stimuli.transition.window import LONGEST
 
-NAMES = (
+MEASURES = (
     "velocity_jump",
     "acceleration_jump",
     "foot_slide",
@@ -22,7 +22,7 @@ NAMES = (
 )
 
 
-def measures(
+def transition_measures(
     transition: Transition, reference: Transition | None = None
 ) -> dict[str, float | None]:
     """Measures of a transition; None for what cannot be told.

@@ -11,11 +11,11 @@ from stimuli.motion import quaternions as quat
 from stimuli.motion.quaternions import Array
 from stimuli.motion.skeleton import Motion, Skeleton
 from stimuli.ties import first_least
+from stimuli.transition.weights import SIDES
 
 SPEED = 0.45  # metres a second below which a foot stands: heel roll and toe roll included
 HEIGHT = 0.10  # metres above the lowest that the same point comes to
 SHORTEST = 2  # frames
-SIDES = ("left", "right")
 LEVEL = np.array([1.0, 0.0, 1.0])  # keeps what of a vector lies on the floor
 
 
@@ -158,7 +158,7 @@ def _found(motion: Motion) -> Contacts:
     return Contacts(steady, on_toe, steps)
 
 
-def runs(flags: np.ndarray) -> list[tuple[int, int]]:
+def spans(flags: np.ndarray) -> list[tuple[int, int]]:
     """First and last index of every run of true flags (F,)."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
     return [(int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]
@@ -167,10 +167,10 @@ def runs(flags: np.ndarray) -> list[tuple[int, int]]:
 def _without_flicker(flags: np.ndarray) -> np.ndarray:
     """Gaps and then runs shorter than the shortest plant are closed and dropped."""
     steady = flags.copy()
-    for first, last in runs(~flags):
+    for first, last in spans(~flags):
         if first > 0 and last < len(flags) - 1 and last - first + 1 < SHORTEST:
             steady[first : last + 1] = True
-    for first, last in runs(steady):
+    for first, last in spans(steady):
         if last - first + 1 < SHORTEST:
             steady[first : last + 1] = False
     return steady

@@ -13,7 +13,7 @@ from stimuli.motion.skeleton import Motion
 from stimuli.ties import first_least
 from stimuli.transition.curves import joint_curves
 from stimuli.transition.length import geodesic_costs
-from stimuli.transition.points import Point
+from stimuli.transition.points import TransitionPoint
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -69,7 +69,9 @@ def _optimum(frames: int, fps: float) -> str:
     return f"least at {frames} frame{'s' if frames > 1 else ''}, {frames / fps:.2f} s"
 
 
-def draw_cost(cost: Array, minima: Sequence[Point], names: tuple[str, str], path: Path) -> None:
+def draw_cost(
+    cost: Array, minima: Sequence[TransitionPoint], names: tuple[str, str], path: Path
+) -> None:
     """The cost matrix as in Fig. IV.1, darker is cheaper, with its local minima marked."""
     from matplotlib.figure import Figure
 
@@ -102,7 +104,7 @@ def draw_cost(cost: Array, minima: Sequence[Point], names: tuple[str, str], path
     save(figure, path)
 
 
-def _places(points: Sequence[Point]) -> tuple[list[int], list[int]]:
+def _places(points: Sequence[TransitionPoint]) -> tuple[list[int], list[int]]:
     """Columns and rows of points in a matrix."""
     return [p.j for p in points], [p.i for p in points]
 

@@ -11,7 +11,7 @@ TRIVIAL = 15  # frames: half a second around the diagonal a motion goes on into 
 
 
 @dataclass(frozen=True)
-class Point:
+class TransitionPoint:
     """A transition from frame i to frame j and its cost."""
 
     i: int
@@ -19,7 +19,9 @@ class Point:
     cost: float
 
 
-def local_minima(cost: Array, before: int = 0, after: int = 0, trivial: int = -1) -> list[Point]:
+def local_minima(
+    cost: Array, before: int = 0, after: int = 0, trivial: int = -1
+) -> list[TransitionPoint]:
     """Cells of `cost` (FA, FB) below or level with their 8 neighbours, cheapest first.
 
     Cells with fewer than `before` frames before i or `after` frames behind j are left out;
@@ -32,19 +34,21 @@ def local_minima(cost: Array, before: int = 0, after: int = 0, trivial: int = -1
         lower[here] |= cost[there] < cost[here] - ROUNDING
     allowed = _allowed(cost.shape, before, after, trivial)
     cells = np.argwhere(_plateaus(cost, lower, allowed))
-    found = [Point(int(i), int(j), float(cost[i, j])) for i, j in cells]
+    found = [TransitionPoint(int(i), int(j), float(cost[i, j])) for i, j in cells]
     levels = ranks([point.cost for point in found])
     places = sorted(range(len(found)), key=lambda n: (levels[n], found[n].i, found[n].j))
     return [found[n] for n in places]
 
 
-def cheapest(cost: Array, before: int = 0, after: int = 0, trivial: int = -1) -> Point | None:
+def cheapest(
+    cost: Array, before: int = 0, after: int = 0, trivial: int = -1
+) -> TransitionPoint | None:
     """The cheapest cell that qualifies, the first of equals; None when none does."""
     allowed = np.where(_allowed(cost.shape, before, after, trivial), cost, np.inf)
     i, j = np.unravel_index(first_least(allowed), cost.shape)
     if not np.isfinite(allowed[i, j]):
         return None
-    return Point(int(i), int(j), float(cost[i, j]))
+    return TransitionPoint(int(i), int(j), float(cost[i, j]))
 
 
 def default_sigma(cost: Array, trivial: int = -1) -> float:

@@ -8,9 +8,9 @@ from stimuli.motion.quaternions import Array
 
 EASY = 0.992  # of a leg's whole length: as far as it reaches without being straightened
 DEEPEST = 0.03  # metres that a body sinks at the most, about as far as in any step
-NEAREST = 0.5  # of its distance from the hip: a foot is moved no farther than this
+ANKLE_REACH = 0.5  # of its distance from the hip: a foot is moved no farther than this
 SHORT = 0.01  # metres out of reach from which on a place is not held at all
-LEAST = 1e-6  # metres for which no body sinks
+NO_SINKING = 1e-6  # metres for which no body sinks
 SINKING = 10  # frames over which it sinks and rises
 _SOFT = np.hanning(SINKING + 3)[1:-1] / np.hanning(SINKING + 3).sum()
 
@@ -28,7 +28,7 @@ def sinking(leg: Array, whole: Array, shift: Array, start: int) -> Array:
     allowed = np.square(np.maximum(now, EASY * whole))
     above = np.sqrt(np.maximum(allowed - across, 0.0))
     needed = np.where(np.any(shift != 0, axis=-1), -away[..., 1] - above, 0.0).max(axis=1)
-    needed = np.clip(needed - LEAST, 0.0, DEEPEST)
+    needed = np.clip(needed - NO_SINKING, 0.0, DEEPEST)
     needed[:start] = 0.0
     if not needed.any():
         return needed
@@ -45,7 +45,7 @@ def reached(leg: Array, whole: Array, shift: Array, drop: Array) -> tuple[Array,
     how much.
     """
     now, size = quat.norm(leg), quat.norm(shift)
-    part = NEAREST * now / np.maximum(size, 1e-9)
+    part = ANKLE_REACH * now / np.maximum(size, 1e-9)
     lowered = leg.copy()
     lowered[..., 1] += drop[:, None]
     room = np.square(np.maximum(now, EASY * whole)) - np.square(quat.norm(lowered))

@@ -14,7 +14,7 @@ import numpy as np
 from stimuli.motion import quaternions as quat
 from stimuli.motion.quaternions import Array
 from stimuli.motion.skeleton import Motion
-from stimuli.transition.blend import mixed, smoothstep, spliced
+from stimuli.transition.blend import interpolated_poses, smoothstep, spliced
 from stimuli.transition.decay import Decay, Offsets, clamped, report
 from stimuli.transition.join import Join, Joined
 from stimuli.transition.knees import BACKWARDS, has_legs, knee_sines, usual_hinges
@@ -79,7 +79,7 @@ def join_dead(join: Join) -> Joined:
     past_a, past_b = slice(window.first, here + 1), slice(there, window.last + window.lag + 1)
     beyond_a, beyond_b = _beyond(join.a, here, ahead), _beyond(b, there, behind)
     weights = smoothstep(window.weights) if join.smooth else window.weights
-    rotations, root = mixed(
+    rotations, root = interpolated_poses(
         np.concatenate([join.a.rotations[past_a], beyond_a[0]]),
         np.concatenate([join.a.root[past_a], beyond_a[1]]),
         np.concatenate([beyond_b[0], b.rotations[past_b]]),

@@ -25,7 +25,7 @@ def tied(limbs: Mapping[str, float], trunk: Mapping[str, float] | None = None) -
     return MappingProxyType(sided | dict(trunk or {}))
 
 
-HIGHEST = 1e6  # of a weight
+HEAVIEST = 1e6  # of a weight
 
 WEIGHTS: Mapping[str, Weights] = MappingProxyType(
     {
@@ -95,8 +95,8 @@ def _fault(role: str, weight: object) -> str:
     if not set(_sided(role)) <= set(ROLES):
         return f"{_short(role)}: expected a role such as left_hip or hip"
     number = isinstance(weight, (int, float)) and not isinstance(weight, bool)
-    if not (number and 0 <= weight <= HIGHEST):  # type: ignore[operator]
-        return f"{role}: expected a number from 0 to {HIGHEST:g}, found {_short(weight)}"
+    if not (number and 0 <= weight <= HEAVIEST):  # type: ignore[operator]
+        return f"{role}: expected a number from 0 to {HEAVIEST:g}, found {_short(weight)}"
     return ""
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from stimuli.motion import Clip, Library
     from stimuli.motion.quaternions import Array
-    from stimuli.transition.points import Point
+    from stimuli.transition.points import TransitionPoint
 
 SHOWN = 20  # of the minima are printed
 
@@ -195,7 +195,7 @@ def _ends(entry: dict[str, Any]) -> tuple[str, str]:
     return f"{start[0]}:{start[1]}", f"{end[0]}:{end[1]}"
 
 
-def _entry(point: "Point", likely: "Array") -> dict[str, Any]:
+def _entry(point: "TransitionPoint", likely: "Array") -> dict[str, Any]:
     chance = float(likely[point.i, point.j])
     return {"from": point.i, "to": point.j, "cost": point.cost, "probability": chance}
 

@@ -142,11 +142,11 @@ def _lengths(methods: Any, lengths: Any) -> str:
 def _write_strips(manifest: "Manifest") -> None:
     """A film strip of each clip around its transition, beside the clip."""
     from stimuli.render import strip, write_png
-    from stimuli.sets.video import decode
+    from stimuli.sets.video import decode_video
 
     for entry in {entry.hash: entry for entry in manifest.clips}.values():
         first, last = entry.document["mixed"]
         kind = entry.method or f"{entry.length:02d}"
         name = f"{entry.motion}-{kind}.png"
-        picture = strip(decode(entry.path), middle=(first + last) // 2)
+        picture = strip(decode_video(entry.path), middle=(first + last) // 2)
         write_png(manifest.directory / "strips" / name, picture)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from stimuli.motion import Library, Motion
-    from stimuli.transition.fit import Fit, Labelled, Left
+    from stimuli.transition.fit import Fit, Labelled, LeftOut
 
 COLUMNS = ("from_clip", "from_frame", "to_clip", "to_frame", "good")
 GOOD = {"1": True, "0": False, "true": True, "false": False, "yes": True, "no": False,
@@ -160,7 +160,7 @@ def _end(entry: Mapping[str, str], side: str, library: "Library") -> "tuple[Moti
 
 
 def _document(
-    rows: Sequence[LabelledRow], fit: "Fit", own: "Sequence[Left]", foreign: "Sequence[Left]"
+    rows: Sequence[LabelledRow], fit: "Fit", own: "Sequence[LeftOut]", foreign: "Sequence[LeftOut]"
 ) -> dict[str, Any]:
     """What was found, as JSON has it; `foreign` is empty without another performer."""
     from stimuli.transition.fit import summary
@@ -180,7 +180,7 @@ def _document(
     return found
 
 
-def _entry(row: LabelledRow, left: "Left") -> dict[str, Any]:
+def _entry(row: LabelledRow, left: "LeftOut") -> dict[str, Any]:
     """A row of the leave-one-out table: the label, then the best point with and without it."""
     without = left.without
     return {

@@ -18,12 +18,12 @@ def open_window(
     request: Request, plan: Plan, task: Task, manifest: "Manifest", flip_log: Path
 ) -> WindowStage:
     """The window of a session, open, its background that of the clips."""
-    from stimuli.sets.video import decode
+    from stimuli.sets.video import decode_video
 
     file = plan.protocol.file
     seconds = min(file.rehearsal.seconds, manifest.seconds) if plan.rehearsal else manifest.seconds
     count = round(seconds * manifest.fps)
-    clips = ClipCache(lambda key: middle_of(decode(entry(manifest, key).path), count))
+    clips = ClipCache(lambda key: middle_of(decode_video(entry(manifest, key).path), count))
     first = clips_of(plan)[0]
     corner = clips.frames([first])[first][0, 0, 0]
     look = Look(

@@ -29,6 +29,7 @@ from stimuli.motion.formats.scan_state import (
 )
 from stimuli.motion.formats.words import decimal, whole_number
 from stimuli.motion.skeleton import depth_first_order
+from tests.conftest import SHARED
 
 PATH = Path("clip.bvh")
 ROOT = Path(__file__).resolve().parents[3]
@@ -95,9 +96,10 @@ def test_a_root_at_rest_in_the_first_frames_is_no_rest_pose_of_an_exporter(bodie
     assert largest_angle(motion, back.motion) < 1e-5
 
 
-def test_what_was_read_written_and_read_has_its_source_s_hierarchy(tmp_path, motions):
-    walker = write_walker(tmp_path)
-    for path in (walker, motions / "cmu_asfamc" / "16_41.amc", motions / "cmu_bvh" / "05_13.bvh"):
+def test_what_was_read_written_and_read_has_its_source_s_hierarchy(tmp_path, sample_motions):
+    paths = [write_walker(tmp_path), sample_motions / "humanoid3d_spin.json"]
+    captured = [SHARED / "cmu_asfamc" / "16_41.amc", SHARED / "cmu_bvh" / "05_13.bvh"]
+    for path in (*paths, *captured * SHARED.is_dir()):
         skeleton = load_clip(path).motion.skeleton
         write_bvh(load_clip(path).motion, tmp_path / "out.bvh")
         back = load_clip(tmp_path / "out.bvh", scale=0.01, up="Y").motion.skeleton
@@ -107,14 +109,17 @@ def test_what_was_read_written_and_read_has_its_source_s_hierarchy(tmp_path, mot
         assert np.allclose(back.end_offsets, skeleton.end_offsets, atol=1e-8)
 
 
-@pytest.mark.parametrize(
-    "name",
-    ["cmu_bvh/05_13.bvh", "accad_male1_bvh/Male1_A8_CrouchToLie.bvh", "cmu_asfamc/16_41.amc",
-     "other_bvh/rokoko_jesse_dance.bvh", "other_bvh/reactidle_003_genuine.bvh",
-     "other_bvh/cmu_daz_salsa_13.bvh"],
-)  # fmt: skip
-def test_captured_motions_written_read_back(motions, tmp_path, name):
-    clip = load_clip(motions / name)
+SAMPLES = ["humanoid3d_cartwheel.json", "humanoid3d_getup_faceup.json", "turn_left0.json"]
+CAPTURED = [
+    "cmu_bvh/05_13.bvh", "accad_male1_bvh/Male1_A8_CrouchToLie.bvh", "cmu_asfamc/16_41.amc",
+    "other_bvh/rokoko_jesse_dance.bvh", "other_bvh/reactidle_003_genuine.bvh",
+    "other_bvh/cmu_daz_salsa_13.bvh",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("name", SAMPLES + CAPTURED * SHARED.is_dir())
+def test_captured_motions_written_read_back(sample_motions, tmp_path, name):
+    clip = load_clip((sample_motions if name in SAMPLES else SHARED) / name)
     write_bvh(clip.motion, tmp_path / "out.bvh")
     back = load_clip(tmp_path / "out.bvh", scale=0.01, up="Y").motion
     assert largest_angle(clip.motion, back) < 1e-4

@@ -14,6 +14,8 @@ from stimuli.motion import quaternions as quat
 from stimuli.motion.formats import acclaim_poses
 from stimuli.motion.formats.acclaim_skeleton import read_asf
 from stimuli.motion.formats.deepmimic import read_deepmimic
+from tests.conftest import SHARED
+from tests.corpora import CORPORA
 
 ASF = """:version 1.10
 :units
@@ -300,13 +302,15 @@ def test_faults_of_deepmimic_are_named(document, told):
         read(document)
 
 
-def test_every_clip_beside_the_checkout_loads_or_is_refused_in_two_lines(motions):
+@pytest.mark.parametrize("corpus", CORPORA)
+def test_every_captured_clip_loads_with_the_roles_that_are_needed(corpus, sample_motions):
     from stimuli.motion.library import clips_under
 
     needed = {"left_hip", "right_knee", "left_shoulder", "right_elbow", "pelvis", "spine", "head"}
-    paths = [p for p in clips_under(motions) if p.parent.name not in ("messy", "cmu_c3d")]
+    folder, least = {"sample": (sample_motions, 20), "captured": (SHARED, 145)}[corpus]
+    paths = [p for p in clips_under(folder) if p.parent.name not in ("messy", "cmu_c3d")]
     for path in paths:
         clip = load_clip(path)
         assert needed <= set(clip.motion.skeleton.roles), path
         assert np.all(np.isfinite(clip.motion.root)), path
-    assert len(paths) >= 145
+    assert len(paths) >= least

@@ -7,6 +7,8 @@ from scipy.spatial.transform import Rotation
 from stimuli.motion import end_positions, forward, heading, load_clip
 from stimuli.motion import quaternions as quat
 from stimuli.motion.kinematics import _by_levels, _followed, headings, joint_positions, placed
+from tests.conftest import SHARED
+from tests.corpora import CORPORA
 
 
 def by_matrices(motion, frame):
@@ -38,9 +40,10 @@ def test_forward_kinematics_is_the_product_of_matrices(bodies):
     assert_forward_agrees(bodies.wandering(5, 0), range(5))
 
 
-def test_forward_kinematics_of_captured_motions(motions):
-    for name in ("cmu_bvh/05_13.bvh", "other_bvh/rokoko_jesse_dance.bvh"):
-        assert_forward_agrees(load_clip(motions / name).motion, (0, 50, 100))
+def test_forward_kinematics_of_captured_motions(sample_motions):
+    captured = [SHARED / "cmu_bvh/05_13.bvh", SHARED / "other_bvh/rokoko_jesse_dance.bvh"]
+    for path in [sample_motions / "humanoid3d_spin.json"] + captured * SHARED.is_dir():
+        assert_forward_agrees(load_clip(path).motion, (0, 50, 100))
 
 
 def test_forward_broadcasts_over_leading_axes(bodies):
@@ -82,8 +85,10 @@ def test_heading_follows_a_turn_and_placing_moves_all_joints_rigidly(bodies):
     assert np.allclose(after, expected, atol=1e-12)
 
 
-def test_heading_is_that_of_the_walk(motions):
-    motion = load_clip(motions / "cmu_bvh" / "35_01.bvh").motion
+@pytest.mark.parametrize("corpus", CORPORA)
+def test_heading_is_that_of_the_walk(corpus, sample_motions):
+    name = {"sample": "humanoid3d_walk", "captured": "35_01"}[corpus]
+    motion = CORPORA[corpus][name][:78]  # two strides of the sample's
     step = motion.root[-1] - motion.root[0]
     yaw = heading(motion.skeleton, motion.rotations[45], motion.root[45])
     facing = np.array([np.sin(yaw), np.cos(yaw)])

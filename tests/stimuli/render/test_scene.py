@@ -15,13 +15,13 @@ import hashlib, json, sys
 import numpy as np
 from stimuli.motion import walker
 from pathlib import Path
-from stimuli.render import Appearance, decode, render_frames, write_clip
+from stimuli.render import Appearance, decode_video, render_frames, write_clip
 look = Appearance(**json.loads(sys.argv[2]))
 frames = np.array(list(render_frames(walker(0)[:3], look)))
 np.save(sys.argv[1], frames)
 clip = Path(sys.argv[1]).with_suffix(".mkv")
 assert write_clip(walker(0)[:3], clip, look) == 3
-np.testing.assert_array_equal(decode(clip), frames)
+np.testing.assert_array_equal(decode_video(clip), frames)
 assert "psychopy" not in sys.modules
 """
 

@@ -1,5 +1,6 @@
 """Masters keep every pixel, and are whole or absent."""
 
+import os
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -10,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from stimuli.errors import InputError
-from stimuli.render import decode, strip, write_png, write_video
+from stimuli.render import decode_video, strip, write_png, write_video
 
 
 def noise(frames: int = 5, height: int = 48, width: int = 64, seed: int = 0) -> np.ndarray:
@@ -26,7 +27,7 @@ def test_a_master_gives_every_pixel_back(
     path = tmp_path_factory.mktemp("clip") / "a.mkv"
     pictures = noise(frames, height, width, seed)
     assert write_video(path, pictures, 30) == frames
-    np.testing.assert_array_equal(decode(path), pictures)
+    np.testing.assert_array_equal(decode_video(path), pictures)
 
 
 def test_the_same_frames_give_the_same_file(tmp_path: Path) -> None:
@@ -46,14 +47,14 @@ def test_a_clip_carries_its_codec_and_rate(tmp_path: Path) -> None:
 def test_mp4_is_for_looking_at(tmp_path: Path) -> None:
     grey = np.full((6, 48, 64, 3), 128, np.uint8)
     write_video(tmp_path / "a.mp4", grey, 30)
-    shown = decode(tmp_path / "a.mp4")
+    shown = decode_video(tmp_path / "a.mp4")
     assert shown.shape == grey.shape
     np.testing.assert_allclose(shown.astype(int), 128, atol=3)
 
 
 def test_an_odd_size_is_possible_in_mp4(tmp_path: Path) -> None:
     write_video(tmp_path / "a.mp4", noise(3, 51, 65), 30)
-    assert decode(tmp_path / "a.mp4").shape == (3, 51, 65, 3)
+    assert decode_video(tmp_path / "a.mp4").shape == (3, 51, 65, 3)
 
 
 def test_a_rendering_that_fails_leaves_nothing_and_keeps_what_was_there(tmp_path: Path) -> None:
@@ -80,12 +81,12 @@ def test_another_ending_is_refused(tmp_path: Path) -> None:
 def test_what_is_no_video_is_refused(tmp_path: Path, content: bytes) -> None:
     (tmp_path / "a.mkv").write_bytes(content)
     with pytest.raises(InputError, match=r"a\.mkv"):
-        decode(tmp_path / "a.mkv")
+        decode_video(tmp_path / "a.mkv")
 
 
 def test_a_missing_clip_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="absent"):
-        decode(tmp_path / "absent.mkv")
+        decode_video(tmp_path / "absent.mkv")
 
 
 def test_a_strip_shows_what_moves(tmp_path: Path) -> None:
@@ -106,3 +107,13 @@ def test_a_strip_shows_what_moves(tmp_path: Path) -> None:
 def test_a_strip_of_nothing_is_background() -> None:
     still = np.full((4, 20, 30, 3), 128, np.uint8)
     assert strip(still, 3).shape == (20, 90, 3)
+
+
+@pytest.mark.parametrize(("mask", "mode"), [(0o077, 0o600), (0o027, 0o640), (0o022, 0o644)])
+def test_a_clip_is_as_private_as_its_user_s_files_are(tmp_path: Path, mask: int, mode: int) -> None:
+    before = os.umask(mask)
+    try:
+        write_video(tmp_path / "a.mkv", [np.zeros((48, 64, 3), dtype=np.uint8)], 30)
+    finally:
+        os.umask(before)
+    assert (tmp_path / "a.mkv").stat().st_mode & 0o777 == mode

@@ -25,8 +25,8 @@ from stimuli.sets import resolve
 from stimuli.sets.group import plan_group
 from stimuli.sets.naming import RECIPE, digest
 from stimuli.transition import METHODS, SPECIFICATIONS, transition, with_room
-from study.protocol import load
-from study.sets import set_spec
+from study.protocol.sets import set_spec
+from study.trials.reading import load_protocol
 from tests.conftest import SHARED
 
 KEPT = Path(__file__).with_suffix(".json")
@@ -103,7 +103,7 @@ def planned(captured: bool = True) -> dict[str, list[Any]]:
                 for clip in plan_group(spec, resolved, libraries[name]).clips
             ]
             for path in sorted(Path(protocols.__file__).parent.glob("*.toml"))
-            for protocol in [load(str(path))]
+            for protocol in [load_protocol(str(path))]
             for name in protocol.file.sets
             if name in libraries
         }

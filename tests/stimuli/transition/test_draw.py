@@ -9,7 +9,7 @@ import pytest
 
 from stimuli.errors import InputError
 from stimuli.motion import Library, walker
-from stimuli.transition.draw import CONDITIONS, draw_point, length_at
+from stimuli.transition.draw import POINT_CONDITIONS, draw_point, length_at
 from tests.corpora import CORPORA
 
 PROTOCOLS = Path(__file__).resolve().parents[3] / "protocols"
@@ -26,13 +26,13 @@ def points(name: str, set_name: str, library: Library) -> dict[str, list[tuple[i
         start, end = bound[motion["from"]], bound[motion["to"]]
         generator = np.random.default_rng([int(stated[1]), int(stated[2]), n])
         a, b = library.load(start["clip"]).motion, library.load(end["clip"]).motion
-        found["drawn"].append(draw_point(a, b, CONDITIONS[name], generator))
+        found["drawn"].append(draw_point(a, b, POINT_CONDITIONS[name], generator))
         found["written"].append((start["frame"], end["frame"]))
     return found
 
 
 @pytest.mark.parametrize("corpus", CORPORA)
-@pytest.mark.parametrize("name", CONDITIONS)
+@pytest.mark.parametrize("name", POINT_CONDITIONS)
 def test_points_of_captured_motion(name: str, corpus: str, sample_motions: Path) -> None:
     """Of the sample motions, and of the others where there are any."""
     bound = {"sample": "sample", "captured": "cmu"}[corpus]

@@ -9,7 +9,7 @@ from stimuli.transition import fit as fitting
 from stimuli.transition.distance import cost_matrix, root_cost
 from stimuli.transition.fit import (
     Labelled,
-    Left,
+    LeftOut,
     common_parts,
     design_matrix,
     fit_weights,
@@ -17,7 +17,7 @@ from stimuli.transition.fit import (
     part_distances,
     summary,
 )
-from stimuli.transition.points import Point
+from stimuli.transition.points import TransitionPoint
 
 PARTS = ("shoulder", "elbow", "hip", "knee", "pelvis")
 
@@ -140,10 +140,15 @@ def test_blocks_of_any_size_find_the_same_points(bodies, monkeypatch, cells):
 
 
 def test_moves_go_the_shorter_way_round_a_loop():
-    left = Left(0, Point(1, 5, 0.0), Point(31, 8, 0.0), periods=(32.0, None))
+    left = LeftOut(0, TransitionPoint(1, 5, 0.0), TransitionPoint(31, 8, 0.0), periods=(32.0, None))
     assert left.moved == 3
-    assert Left(0, Point(1, 5, 0.0), Point(31, 8, 0.0)).moved == 30
-    assert Left(0, Point(0, 5, 0.0), Point(32, 5, 0.0), periods=(32.3, 32.3)).moved == 0
+    assert LeftOut(0, TransitionPoint(1, 5, 0.0), TransitionPoint(31, 8, 0.0)).moved == 30
+    assert (
+        LeftOut(
+            0, TransitionPoint(0, 5, 0.0), TransitionPoint(32, 5, 0.0), periods=(32.3, 32.3)
+        ).moved
+        == 0
+    )
 
 
 def test_parts_that_share_a_joint_in_any_motion_are_one(bodies):

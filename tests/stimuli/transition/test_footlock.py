@@ -15,14 +15,14 @@ from scipy.ndimage import binary_opening
 from stimuli.errors import InputError
 from stimuli.motion import Motion, end_positions, forward
 from stimuli.motion import quaternions as quat
-from stimuli.transition import Transition, measures, transition
+from stimuli.transition import Transition, transition, transition_measures
 from stimuli.transition.distance import cost_matrix
 from stimuli.transition.hold import corrections
 from stimuli.transition.ik import STRETCH, bend_axis, reach_out
 from stimuli.transition.lengthmap import length_map
-from stimuli.transition.plants import contacts, runs
+from stimuli.transition.plants import contacts, spans
 from stimuli.transition.points import local_minima
-from stimuli.transition.reach import LEAST, SHORT, reached, sinking
+from stimuli.transition.reach import NO_SINKING, SHORT, reached, sinking
 from tests.corpora import CORPORA, SAMPLE, Corpus
 
 SEED = 20051
@@ -259,7 +259,8 @@ def test_legs_without_length_are_refused(bodies):
 
 def test_the_lock_lowers_the_measured_slide(selection):
     slid = [
-        (measures(free)["foot_slide"], measures(held)["foot_slide"]) for free, held in selection
+        (transition_measures(free)["foot_slide"], transition_measures(held)["foot_slide"])
+        for free, held in selection
     ]
     assert sum(after for _, after in slid) < 0.5 * sum(before for before, _ in slid)
 
@@ -347,7 +348,7 @@ def test_a_body_sinks_only_as_far_as_a_moved_ankle_asks_and_smoothly():
     assert not sinking(*legs(60), shift, 0).any()
     shift[25:35, 0, 0] = 0.2
     drop = sinking(*legs(60), shift, 0)
-    needed = 0.9 - np.sqrt(0.9**2 - 0.2**2) - LEAST
+    needed = 0.9 - np.sqrt(0.9**2 - 0.2**2) - NO_SINKING
     assert np.allclose(drop[25:35], needed, atol=1e-9)
     assert np.all(drop[:15] == 0)
     assert np.all(drop[45:] == 0)
@@ -375,7 +376,7 @@ def test_a_foot_is_moved_along_the_floor_as_far_as_its_leg_is_long():
 def test_plants_of_a_walk_last_as_long_as_steps_do(corpus):
     walk = corpus[corpus.groups["walks"][0]]
     for side in (0, 1):
-        inner = [last - first + 1 for first, last in runs(contacts(walk).stands[:, side])
+        inner = [last - first + 1 for first, last in spans(contacts(walk).stands[:, side])
                  if first > 0 and last < len(walk) - 1]  # fmt: skip
         assert inner
         assert all(12 <= frames <= 26 for frames in inner)

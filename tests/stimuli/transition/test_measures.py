@@ -3,15 +3,15 @@
 import numpy as np
 
 from stimuli.motion import Motion, forward
-from stimuli.transition import measures, transition
-from stimuli.transition.measures import NAMES
+from stimuli.transition import transition, transition_measures
+from stimuli.transition.measures import MEASURES
 
 
 def test_a_motion_that_goes_on_differs_from_itself_in_nothing(bodies):
     a = bodies.wandering(60, 1)
     done = transition(a, a, 20, 28, frames=9)
-    found = measures(done, done)
-    assert tuple(found) == NAMES
+    found = transition_measures(done, done)
+    assert tuple(found) == MEASURES
     positions, _ = forward(a.skeleton, a.rotations, a.root)
     own = np.linalg.norm(np.diff(positions, 2, axis=0), axis=-1).max()
     assert found["velocity_jump"] <= own + 1e-9
@@ -23,7 +23,7 @@ def test_a_step_of_the_root_is_the_jump_of_velocity(bodies):
     still = bodies.standing(30)
     higher = Motion(still.skeleton, still.rotations, still.root + np.array([0.0, 0.2, 0.0]))
     done = transition(still, higher, 10, 15, method="cut")
-    found = measures(done)
+    found = transition_measures(done)
     assert np.isclose(found["velocity_jump"], 0.2)
     assert np.isclose(found["acceleration_jump"], 0.4)
     assert found["displacement_from_reference"] is None
@@ -35,13 +35,15 @@ def test_displacement_is_the_mean_over_joints_and_mixed_frames(bodies):
     one, other = (transition(a, b, 20, 30, frames=n) for n in (5, 9))
     p, q = (forward(t.motion.skeleton, t.motion.rotations, t.motion.root)[0] for t in (one, other))
     expected = np.linalg.norm(p[20:29] - q[20:29], axis=-1).mean()
-    assert np.isclose(measures(one, other)["displacement_from_reference"], expected)
+    assert np.isclose(transition_measures(one, other)["displacement_from_reference"], expected)
 
 
 def test_a_longer_blend_is_smoother_at_its_ends(bodies):
     a, b = bodies.wandering(90, 3), bodies.wandering(90, 4)
-    jumps = [measures(transition(a, b, 30, 60, frames=n))["velocity_jump"] for n in (1, 30)]
-    cut = measures(transition(a, b, 30, 60, method="cut"))["velocity_jump"]
+    jumps = [
+        transition_measures(transition(a, b, 30, 60, frames=n))["velocity_jump"] for n in (1, 30)
+    ]
+    cut = transition_measures(transition(a, b, 30, 60, method="cut"))["velocity_jump"]
     assert jumps[1] < jumps[0] < cut + 0.2
 
 
@@ -53,4 +55,4 @@ def test_a_skeleton_without_legs_has_no_slide(bodies):
         a.skeleton.end_parents, a.skeleton.end_offsets, roles,
     )  # fmt: skip
     motion = Motion(bare, a.rotations, a.root)
-    assert measures(transition(motion, motion, 5, 9, frames=5))["foot_slide"] is None
+    assert transition_measures(transition(motion, motion, 5, 9, frames=5))["foot_slide"] is None

@@ -16,8 +16,8 @@ from stimuli.transition import (
     Transition,
     blend_length,
     longest_fitting,
-    measures,
     transition,
+    transition_measures,
 )
 from stimuli.transition.blend import smoothstep
 from stimuli.transition.timewarp import timewarp_costs
@@ -185,7 +185,7 @@ def test_a_given_length_stretches_the_windows_of_a_timewarp(bodies):
     assert min(windows) >= 10
     pairs, costs = timewarp_costs(a, b, 62, 66, "start-end")
     assert longer.report["cost"] == np.nanmin(costs[pairs.max(axis=1) == 20])
-    assert measures(longer)["geodesic_cost"] == longer.report["cost"]
+    assert transition_measures(longer)["geodesic_cost"] == longer.report["cost"]
 
 
 def test_a_given_length_stretches_the_schedule_of_the_joints(bodies):

@@ -16,7 +16,7 @@ from stimuli.files import check_writable, write_atomic
 from stimuli.motion import load_clip, write_walker
 from stimuli.motion.formats.bvh_write import write_bvh
 from stimuli.transition import plots
-from stimuli.transition.points import Point, default_sigma, probabilities
+from stimuli.transition.points import TransitionPoint, default_sigma, probabilities
 from study.cli import main
 from study.cli.common import print_json
 
@@ -340,7 +340,7 @@ def test_a_best_point_on_the_edge_is_drawn_whole_and_the_edges_stay(monkeypatch,
     drawn = []
     monkeypatch.setattr(plots, "save", lambda figure, path: drawn.append(figure))
     cost = np.arange(12.0).reshape(3, 4)
-    plots.draw_cost(cost, [Point(0, 0, 0.0)], ("a", "b"), tmp_path / "c.png")
+    plots.draw_cost(cost, [TransitionPoint(0, 0, 0.0)], ("a", "b"), tmp_path / "c.png")
     axes = drawn[0].axes[0]
     assert not any(line.get_clip_on() for line in axes.lines)
     assert (axes.get_xlim(), axes.get_ylim()) == ((-0.5, 3.5), (2.5, -0.5))
