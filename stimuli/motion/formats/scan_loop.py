@@ -3,7 +3,7 @@
 import numpy as np
 
 from stimuli.motion.compiled import inlined, kept
-from stimuli.motion.formats.scan import (
+from stimuli.motion.formats.scan_state import (
     BEGINS,
     ENDED,
     FULL,
