@@ -1,7 +1,7 @@
 """Two-way analyses of variance of ratings: method by order of presentation.
 
-`independent` takes every rating as independent, as the dissertation did (its F(1, 48)); `mixed`
-knows that each person rated both methods and was in one order only.
+`independent` takes every rating as independent, as the dissertation did (its F(1, 48));
+`split_plot` knows that each person rated both methods and was in one order only.
 """
 
 from dataclasses import dataclass
@@ -43,7 +43,7 @@ def independent(ratings: Array, method: Array, order: Array) -> list[Effect]:
     ]
 
 
-def mixed(a: Array, b: Array, order: Array) -> list[Effect]:
+def split_plot(a: Array, b: Array, order: Array) -> list[Effect]:
     """The same effects with method within people: ratings of both methods (P,), order (P,) ±1."""
     difference, mean = b - a, (a + b) / 2
     df = len(a) - 2

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 from scipy.special import ndtr, ndtri, stdtrit
 
-from analysis.mixed import mixed
+from analysis.mixed import mixed_logistic
 from analysis.preferences import contests
 from analysis.psychometric import PeopleCounts, fit, fit_batch, people_counts
 from analysis.psychometric.bootstrap import percentile_interval, resample_people
@@ -126,7 +126,7 @@ def preference_finds(
     """Whether the pooled test and the mixed model each find a preference in a simulated study."""
     contest = contests(trials, methods)[0]
     count, table = contest.count, contest.choices
-    model = mixed(
+    model = mixed_logistic(
         table["participant"].to_numpy(), table["motion"].to_numpy(), table["chose_a"].to_numpy()
     )
     uniform = model.p is None and count.p is not None and count.p < alpha

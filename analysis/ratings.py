@@ -184,7 +184,7 @@ def analyses_of_variance(question: Question) -> list[RatingTest]:
     tests = []
     for name, effects in (
         ("ANOVA, ratings independent", anova.independent(stacked, method, np.tile(order, 2))),
-        ("ANOVA, mixed design", anova.mixed(question.a, question.b, order)),
+        ("ANOVA, mixed design", anova.split_plot(question.a, question.b, order)),
     ):
         for effect in effects:
             groups = {

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from analysis.bradley_terry import scale
-from analysis.mixed import Mixed, mixed
+from analysis.mixed import MixedFit, mixed_logistic
 from analysis.preferences import ALL, Contest, Preference, contests
 from analysis.report.context import Context
 from analysis.report.draw import GRID, INK, LONGER, PALE, canvas, quiet_y, shorten
@@ -31,15 +31,15 @@ def report_preference(context: Context) -> Findings:
     return Findings(tuple(sections), document)
 
 
-def model(contest: Contest) -> Mixed:
+def model(contest: Contest) -> MixedFit:
     """The mixed model of a contest."""
     table = contest.choices
-    return mixed(
+    return mixed_logistic(
         table["participant"].to_numpy(), table["motion"].to_numpy(), table["chose_a"].to_numpy()
     )
 
 
-def comparison(contest: Contest, fit: Mixed) -> dict[str, Any]:
+def comparison(contest: Contest, fit: MixedFit) -> dict[str, Any]:
     """The comparison of report.json."""
     return {
         "a": contest.a,
@@ -72,7 +72,7 @@ def sentence(contest: Contest, alpha: float) -> str:
     )
 
 
-def mixed_sentence(contest: Contest, fit: Mixed, alpha: float) -> str:
+def mixed_sentence(contest: Contest, fit: MixedFit, alpha: float) -> str:
     """What the model that respects repeated measures says, and whether it agrees."""
     if fit.estimate is None:
         return f"The mixed model gives no estimate ({fit.method.partition(': ')[2]})."
@@ -95,7 +95,7 @@ def mixed_sentence(contest: Contest, fit: Mixed, alpha: float) -> str:
     )
 
 
-def _with_effects(fit: Mixed) -> str:
+def _with_effects(fit: MixedFit) -> str:
     """The random effects that were fitted: an SD stands for each."""
     effects = [
         name
@@ -127,7 +127,7 @@ def _title(contest: Contest) -> str:
     return title if contest.category == ALL else f"{title}: {contest.category}"
 
 
-def _section(context: Context, contest: Contest, fit: Mixed) -> Section:
+def _section(context: Context, contest: Contest, fit: MixedFit) -> Section:
     stem = f"{context.stem}-{contest.a}-{contest.b}-{contest.category}"
     rows = [("all motions", contest.count), *contest.per_motion()]
     findings = [sentence(contest, context.alpha), mixed_sentence(contest, fit, context.alpha)]

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.mixed import Mixed
+from analysis.mixed import MixedFit
 from analysis.preferences import Contest
 from analysis.report import Written, write_report
 from analysis.report.preference_part import mixed_sentence
@@ -59,11 +59,11 @@ def test_a_pooled_test_that_the_mixed_model_does_not_share_is_called_out() -> No
     contest = Contest("a", "b", "all", table)
     assert contest.count.p is not None
     assert contest.count.p < 0.001
-    shaky = Mixed(2.0, -0.5, 4.5, 0.1, "mixed")
+    shaky = MixedFit(2.0, -0.5, 4.5, 0.1, "mixed")
     assert "trust the mixed model" in mixed_sentence(contest, shaky, 0.01)
-    firm = Mixed(2.0, 1.0, 3.0, 0.001, "mixed")
+    firm = MixedFit(2.0, 1.0, 3.0, 0.001, "mixed")
     assert "disagree" not in mixed_sentence(contest, firm, 0.01)
-    none = Mixed(None, None, None, None, "mixed: not estimable, why")
+    none = MixedFit(None, None, None, None, "mixed: not estimable, why")
     assert "gives no estimate (not estimable, why)" in mixed_sentence(contest, none, 0.01)
 
 
