@@ -16,7 +16,8 @@ from analysis.psychometric.functions import Array
 
 @dataclass(frozen=True)
 class Effect:
-    """One F test, with partial η² and the interval of its noncentral F."""
+    """One F test, with partial η² and the interval of its noncentral F; nan where 0 is held
+    against 0, of ratings that do not differ at all."""
 
     name: str
     statistic: float
@@ -73,7 +74,10 @@ def _residual(design: Array, values: Array) -> float:
 
 
 def _effect(name: str, square: float, error: float, df: int) -> Effect:
-    statistic = square / error if error > 0 else float("inf") if square > 0 else 0.0
+    if error <= 0 and square <= 0:
+        none = float("nan")
+        return Effect(name, none, (1, df), none, none, none, none, float(square))
+    statistic = square / error if error > 0 else float("inf")
     p = float(f_distribution.sf(statistic, 1, df))
     size = statistic / (statistic + df) if np.isfinite(statistic) else 1.0
     low, high = eta_interval(statistic, 1, df)

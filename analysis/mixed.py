@@ -27,6 +27,7 @@ STEP = 1e-4  # for the second derivatives, differences of an analytic gradient
 LAPLACE = "Laplace approximation"
 QUADRATURE = f"adaptive Gauss-Hermite quadrature with {NODES} nodes"
 METHOD = "logistic mixed model, random intercepts of {}, {}, Wald interval"
+_LEFT_OUT = "; of variance 0 and left out: "
 METHOD_PLAIN = "logistic model without random effects, Wald interval"
 
 # A log likelihood at θ = (β, standard deviations) with its gradient.
@@ -91,7 +92,7 @@ def fit_cells(cells: Cells, people: bool, motions: bool) -> MixedFit:
 
 
 def _with_zero(fit: MixedFit, name: str) -> MixedFit:
-    told = f"{fit.method}; the variance between {name} is 0, and the model fitted without it"
+    told = f"{fit.method}, {name}" if _LEFT_OUT in fit.method else f"{fit.method}{_LEFT_OUT}{name}"
     if name == "people":
         return replace(fit, method=told, sd_people=0.0)
     return replace(fit, method=told, sd_motions=0.0)

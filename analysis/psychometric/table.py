@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from io import StringIO
 from pathlib import Path
 
+from analysis.delimited import columns_from
 from analysis.errors import InputError
 from analysis.psychometric.counts import Counts, counts
 from analysis.psychometric.fit import MAXIMUM_LAPSE, Setting
@@ -118,6 +119,16 @@ def _decimal_comma(row: list[str], extra: bool) -> str:
     if comma is None:
         return ""
     return f"; a decimal comma: write {comma.strip().replace(',', '.')}"
+
+
+def columns_of(text: str | None) -> dict[str, str]:
+    """The value of `--columns`: our names for a table's own."""
+    try:
+        return columns_from(text)
+    except ValueError:
+        raise InputError(
+            f"--columns: expected names as in participant=subj,level=stim, found {text!r}"
+        ) from None
 
 
 def lapse_of(text: str) -> float | None:

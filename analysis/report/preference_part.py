@@ -7,12 +7,14 @@ import numpy as np
 import pandas as pd
 
 from analysis.bradley_terry import scale
+from analysis.davidson import TiedScale, tied_scale
 from analysis.mixed import MixedFit, mixed_logistic
 from analysis.preferences import ALL, Contest, Preference, contests
 from analysis.report.context import Context
 from analysis.report.draw import GRID, INK, LONGER, PALE, canvas, quiet_y, shorten
 from analysis.report.parts import Figure, Findings, Section, Table
 from analysis.report.scale_part import scale_section
+from analysis.report.words import count as count_words
 from analysis.report.words import interval, listing, number, p_value, sentence_case, share
 
 
@@ -23,12 +25,41 @@ def report_preference(context: Context) -> Findings:
     modelled = [(contest, model(contest)) for contest in found]
     sections = [_section(context, contest, fit) for contest, fit in modelled]
     document: dict[str, Any] = {"comparisons": [comparison(*entry) for entry in modelled]}
-    named = sorted({name for contest in found for name in (contest.a, contest.b)})
+    named = tuple(sorted({name for contest in found for name in (contest.a, contest.b)}))
+    trials, rng = context.screened.main, np.random.default_rng(context.seed)
+    tied = bool(trials["tie"].any()) if "tie" in trials else False
+    if tied:
+        with_ties = tied_scale(trials, named, rng)
+        sections.append(ties_section(context, with_ties, int(trials["tie"].sum())))
+        document["with_ties"] = None if with_ties is None else asdict(with_ties)
     if len(named) > 2:
-        strengths = scale(context.screened.main, tuple(named), np.random.default_rng(context.seed))
+        decided = trials[~trials["tie"].astype(bool)] if tied else trials
+        strengths = scale(decided, named, rng)
         sections.append(scale_section(context, strengths))
         document["scale"] = None if strengths is None else [asdict(s) for s in strengths]
     return Findings(tuple(sections), document)
+
+
+def ties_section(context: Context, found: TiedScale | None, ties: int) -> Section:
+    """What the answers that two methods are equal say, beside those that chose."""
+    told = (
+        f"{count_words(ties, 'answer')} of {len(context.screened.main):,} called the two equal. "
+        "They choose neither, so that the tests above leave them out; Davidson's (1970) model of "
+        "paired comparisons with ties takes them in."
+    )
+    if found is None:
+        why = "It has no bounded estimate here: some method was never, or always, preferred."
+        return Section("Ties", findings=(f"{told} {why}",))
+    best, last = found.strengths[0], found.strengths[-1]
+    difference = best.strength - last.strength
+    sentence = (
+        f"With ties the log odds of {best.method} against {last.method} are {number(difference)} "
+        f"(strengths {number(best.strength)}, {interval(best.low, best.high)}, and "
+        f"{number(last.strength)}, {interval(last.low, last.high)}; people resampled); between "
+        f"equals the log odds of a tie against either are {number(found.tie)}, "
+        f"{interval(found.low, found.high)}."
+    )
+    return Section("Ties", findings=(told, sentence))
 
 
 def model(contest: Contest) -> MixedFit:
@@ -46,6 +77,7 @@ def comparison(contest: Contest, fit: MixedFit) -> dict[str, Any]:
         "b": contest.b,
         "category": contest.category,
         **asdict(contest.count),
+        "ties": len(contest.ties),
         "mixed_model": asdict(fit),
         "per_motion": [
             {"motion": motion, **asdict(count)} for motion, count in contest.per_motion()
@@ -110,6 +142,12 @@ def _with_effects(fit: MixedFit) -> str:
 def bias_sentence(contest: Contest, alpha: float) -> str:
     """Whether the clip shown first was favoured."""
     count = contest.first_chosen
+    if contest.one_sided:
+        first = contest.a if contest.choices["a_first"].iloc[0] else contest.b
+        return (
+            f"{sentence_case(first)} always came first: a bias of place and a preference for it "
+            "are confounded, and these answers cannot tell them apart."
+        )
     biased = count.p is not None and count.p < alpha
     places = contest.by_place
     return (

@@ -47,6 +47,8 @@ EFFECTS = {
 
 def apa(test: RatingTest) -> str:
     """`V = 40, p = .039, r_rb = .78, 95% CI [.30, 1.00]`."""
+    if test.p is None:
+        return test.note
     kind = next(symbol for name, symbol in SYMBOLS.items() if test.test.startswith(name))
     df = "" if test.df is None else f"({', '.join(map(str, test.df))})"
     digits = 0 if kind in "UV" and test.statistic == round(test.statistic or 0) else 2
@@ -73,7 +75,7 @@ def _order_text(context: Context, tests: list[RatingTest]) -> tuple[str, ...]:
     if not order:
         return ("All people saw one order, so that an order effect cannot be told apart.",)
     told = "; ".join(f"{test.groups[0]} against {test.groups[1]}, {apa(test)}" for test in order)
-    grouped = all(test.p is not None and test.p >= context.alpha for test in order)
+    grouped = all(test.p is None or test.p >= context.alpha for test in order)
     verdict = (
         "Neither is significant, so the orders were grouped and the methods compared over all "
         "people (the grouping of Wang 2005, IV.4.1)."
@@ -87,7 +89,12 @@ def _sentences(context: Context, question: Question, tests: list[RatingTest]) ->
     a, b = question.methods
     told = []
     for test in tests:
-        if test.test == "signed-rank, method":
+        if test.test == "signed-rank, method" and test.p is None:
+            told.append(
+                f"{sentence_case(question.name)} of {b} and of {a} do not differ: "
+                f"{apa(test)} {'person' if len(question.people) == 1 else 'people'}."
+            )
+        elif test.test == "signed-rank, method":
             where = test.groups[0].removesuffix(a).rstrip(": ")
             significant = test.p is not None and test.p < context.alpha
             higher = b if (test.effect_size or 0) > 0 else a
@@ -203,11 +210,13 @@ def _comparison_section(
         f"{sentence_case(test.question)}: M = {number(test.more['mean'])}, "
         f"SD = {number(test.more['sd'])} on a scale from 0 to 4, "
         + (
-            "which differs significantly from its midpoint"
+            "which nobody left"
+            if test.p is None
+            else "which differs significantly from its midpoint"
             if test.p is not None and test.p < context.alpha
             else "which does not differ significantly from its midpoint"
         )
-        + f" ({apa(test)}; {test.note})."
+        + (f" ({apa(test)})." if test.p is None else f" ({apa(test)}; {test.note}).")
         for test in tests
     )
     return Section(

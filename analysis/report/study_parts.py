@@ -18,16 +18,22 @@ MOST_FAULTS = 20  # malformed rows named on the page; report.json names them all
 def people_section(context: Context) -> Section:
     """Who took part, from participants.tsv where it was filled in."""
     table = context.study.participants
-    people = context.study.trials["participant"].astype(str).nunique()
+    recorded = len(context.screened.people) + len(context.screened.left_out)
     sessions = context.study.sessions
     unfinished = sum(session.sidecar.get("Finished") is False for session in sessions)
     observers = Counter(str(s.sidecar.get("Observer", "not recorded")) for s in sessions)
     text = [
-        f"{count(people, 'person', 'people')} took part in {count(len(sessions), 'session')} "
+        f"{count(recorded, 'person', 'people')} took part in {count(len(sessions), 'session')} "
         f"({listing([f'{n} {kind}' for kind, n in observers.items()])}"
         + (f"; {unfinished} unfinished" if unfinished else "")
         + ")."
     ]
+    if context.screened.left_out:
+        why = "; ".join(f"{person}: {reason}" for person, reason in context.screened.left_out)
+        text.append(
+            f"The answers of {len(context.screened.people)} are analysed; left out are "
+            f"{count(len(context.screened.left_out), 'person', 'people')} ({why})."
+        )
     if "age" in table:
         ages = pd.to_numeric(table["age"], errors="coerce").dropna()
         if len(ages):
@@ -74,6 +80,7 @@ def exclusion_section(context: Context) -> Section:
     items += [
         f"{count(n, f'{kind} session')}, never pooled with others." for kind, n in apart.items()
     ]
+    items.extend(context.study.remarks)
     faults = context.study.faults
     items.extend(faults[:MOST_FAULTS])
     if len(faults) > MOST_FAULTS:
