@@ -17,6 +17,7 @@ from analysis.psychometric import PeopleCounts, fit, fit_batch, people_counts
 from analysis.psychometric.bootstrap import percentile_interval, resample_people
 from analysis.psychometric.profile import threshold_interval
 from analysis.psychometric.reduced import fit_reduced
+from analysis.psychometric.scoring import ROUGH
 from analysis.psychometric.verdict import judge
 from analysis.thresholds import Plan, prepared
 from analysis.tracks import staircase_threshold, tracks
@@ -71,7 +72,8 @@ def _fitted(
     correct, total = pooled.correct[None], pooled.total[None]
     verdict = int(judge(pooled.levels, fits, correct, total, at)[0][0])
     if len(data.people) > 1:
-        again = fit_batch(pooled.levels, *resample_people(data, SAMPLES, rng), plan.what)
+        drawn = resample_people(data, SAMPLES, rng)
+        again = fit_batch(pooled.levels, *drawn, plan.what, tolerance=ROUGH)
         low, high = percentile_interval(again.threshold(at))
     else:
         ends = threshold_interval(fits, correct, total, at)

@@ -15,17 +15,18 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.special import expit, stdtr, stdtrit
 
-from analysis.marginal import NODES, Cells, Crossed, Grouped
+from analysis.marginal import FINER, NODES, Cells, Crossed, Grouped
 from analysis.psychometric.functions import Array
 
 EFFECTS = ("people", "motions")
 LARGEST_SD = 10.0  # of the random intercepts, in log odds: beyond it the answers set no bound
 LEAST_SD = 1e-2  # below it an effect does not vary, and the model is fitted without it
 LARGEST_MEAN = 15.0  # of the log odds
-STARTS = ((1.0, 0.3, 0.3), (1.3, 1.2, 0.6), (2.0, 3.0, 0.3))  # times the plain log odds; both SDs
+STARTS = ((1.0, 0.3, 0.3), (1.3, 1.2, 0.6), (2.0, 3.0, 0.3), (2.0, 6.0, 2.0), (1.0, 0.3, 1.5))
+UNSETTLED = 0.01  # standard errors by which more nodes may move the estimate or the error
 STEP = 1e-4  # for the second derivatives, differences of an analytic gradient
 LAPLACE = "Laplace approximation"
-QUADRATURE = f"adaptive Gauss-Hermite quadrature with {NODES} nodes"
+QUADRATURE = "adaptive Gauss-Hermite quadrature"
 METHOD = "logistic mixed model, random intercepts of {}, {}, Wald interval"
 _LEFT_OUT = "; of variance 0 and left out: "
 METHOD_PLAIN = "logistic model without random effects, Wald interval"
@@ -84,10 +85,18 @@ def fit_cells(cells: Cells, people: bool, motions: bool) -> MixedFit:
                 "so that the variance between them has no bound",
             )
     theta, hessian = _maximum(cells, random)
+    settled = sum(random) != 1
+    for nodes in FINER if not settled else ():
+        settled = _settled(cells.along(random.index(True)), theta, random, hessian, nodes)
+        if settled or nodes == FINER[-1]:
+            break
+        theta, hessian = _maximum(cells, random, nodes)
     for place, name in enumerate(EFFECTS):
         if random[place] and theta[1 + place] < LEAST_SD:
             kept = [held and other != place for other, held in enumerate(random)]
             return _with_zero(fit_cells(cells, kept[0], kept[1]), name)
+    if not settled:
+        return _refused(_method(random), "nearly everyone answers alike each time")
     return _wald(cells, random, theta, hessian)
 
 
@@ -120,6 +129,24 @@ def _wald(cells: Cells, random: tuple[bool, ...], theta: Array, hessian: Array) 
     )
 
 
+def _settled(
+    cells: Cells, theta: Array, random: tuple[bool, ...], hessian: Array, nodes: int
+) -> bool:
+    """Whether so many nodes leave the estimate and its standard error where they are.
+
+    Groups that answer almost always alike have integrals far from normal, whose nodes miss; the
+    spread between them is then known from a handful of answers, and no interval means anything.
+    """
+    finer, error = Grouped(cells, nodes), _standard_error(hessian)
+    place = theta[[0, 1 + random.index(True)]]
+    bent = finer.curvature(place)
+    again = _standard_error(bent)
+    if not np.isfinite(error) or not np.isfinite(again):
+        return not np.isfinite(error) and not np.isfinite(again)
+    moved = abs(np.linalg.solve(-bent, finer(place)[1])[0])
+    return bool(moved < UNSETTLED * error and abs(again - error) < UNSETTLED * error)
+
+
 def _refused(method: str, why: str) -> MixedFit:
     return MixedFit(None, None, None, None, f"{method}: not estimable, {why}")
 
@@ -143,10 +170,10 @@ def _degrees(cells: Cells, random: tuple[bool, ...]) -> int:
     return max(min(counts, default=whole) - 1, 1)
 
 
-def _maximum(cells: Cells, random: tuple[bool, ...]) -> tuple[Array, Array]:
+def _maximum(cells: Cells, random: tuple[bool, ...], nodes: int = NODES) -> tuple[Array, Array]:
     """θ = (β, both standard deviations, 0 where not random), and the Hessian of what is free."""
     free = np.flatnonzero([True, *random])
-    marginal = _marginal(cells, random)
+    marginal = _marginal(cells, random, nodes)
     right = float(cells.chose.sum())
     odds = float(np.clip(np.log(right / (cells.total.sum() - right)), -5, 5))
     # Standard deviations may cross 0 on the way: the likelihood is even in them, and a bound at 0,
@@ -170,11 +197,11 @@ def _maximum(cells: Cells, random: tuple[bool, ...]) -> tuple[Array, Array]:
     return theta, _hessian(marginal, theta[free])
 
 
-def _marginal(cells: Cells, random: tuple[bool, ...]) -> Marginal:
+def _marginal(cells: Cells, random: tuple[bool, ...], nodes: int) -> Marginal:
     if all(random):
         return Crossed(cells)
     if any(random):
-        return Grouped(cells.along(random.index(True)))
+        return Grouped(cells.along(random.index(True)), nodes)
     return _plain(float(cells.chose.sum()), float(cells.total.sum()))
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from analysis.delimited import columns_from
 from analysis.errors import InputError
 from analysis.psychometric.counts import Counts, counts
-from analysis.psychometric.fit import MAXIMUM_LAPSE, Setting
+from analysis.psychometric.fit import Setting
 from analysis.psychometric.summary import SAMPLES
 
 MOST_FAULTS = 3
@@ -143,7 +143,7 @@ def lapse_of(text: str) -> float | None:
 
 def check_at(at: float, what: Setting) -> None:
     """Raise InputError for a proportion that the function never reaches."""
-    highest = 1 - (what.lapse if what.lapse is not None else MAXIMUM_LAPSE)
+    highest = 1 - (what.lapse or 0.0)  # a free rate may be 0
     if not what.guess < at < highest:
         raise InputError(
             f"--at: expected a proportion between the guess rate and one minus the lapse rate "
