@@ -21,6 +21,7 @@ from analysis.psychometric import (
     summarise,
     summarise_each,
 )
+from analysis.psychometric.fit import LAPSE_BOUND
 from analysis.psychometric.summary import threshold_dict
 from analysis.tracks import Track, staircase_threshold, tracks
 
@@ -48,7 +49,10 @@ def plan_of(protocol: dict[str, Any], seed: int = 0) -> Plan:
     lapse = stated.get("lapse", "free")
     return Plan(
         what=setting(
-            str(stated.get("function", "logistic")), GUESS, None if lapse == "free" else lapse
+            str(stated.get("function", "logistic")),
+            GUESS,
+            None if lapse == "free" else lapse,
+            float(stated.get("lapse_bound", LAPSE_BOUND)),
         ),
         at=tuple(sorted(named, key=lambda p: (p != 0.75, -p))),
         samples=int(stated.get("bootstrap", 2000)),
@@ -80,10 +84,8 @@ class Entry:
         """The entry of report.json: thresholds signed and ordered, the fit on |difference|."""
         told = self.summary.as_dict()
         signed = [
-            _signed(threshold_dict(threshold, verdict), self.sign)
-            for threshold, verdict in zip(
-                self.summary.thresholds, self.summary.verdicts, strict=True
-            )
+            threshold_dict(signed_threshold(self, place), verdict)
+            for place, verdict in enumerate(self.summary.verdicts)
         ]
         return {
             "side": self.side,
@@ -97,17 +99,6 @@ class Entry:
             "thresholds": signed,
             "staircase_threshold": self.staircase,
         }
-
-
-def _signed(told: dict[str, float | None], sign: float) -> dict[str, float | None]:
-    if sign > 0:
-        return told
-    value, low, high = told["value"], told["low"], told["high"]
-    return told | {
-        "value": None if value is None else -value,
-        "low": None if high is None else -high,
-        "high": None if low is None else -low,
-    }
 
 
 def prepared(trials: pd.DataFrame, specification: str = "") -> pd.DataFrame:
@@ -175,5 +166,4 @@ def _people(part: pd.DataFrame, plan: Plan, side: str, specification: str) -> li
 def signed_threshold(entry: Entry, number: int = 0) -> Threshold:
     """The entry's threshold with its sign, ends in ascending order."""
     plain = entry.summary.thresholds[number]
-    ends = sorted((entry.sign * plain.low, entry.sign * plain.high))
-    return Threshold(plain.at, entry.sign * plain.value, *ends)
+    return plain if entry.sign > 0 else plain.signed_down

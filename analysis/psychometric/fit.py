@@ -33,9 +33,9 @@ _STEEPNESSES = 14
 _FINE_STEEPNESSES = 28
 _FLATTEST = 0.02  # η over half the range, where the fine grid of slopes begins
 _LAPSES = (0.0, 0.02, 0.06)
-_FINE_LAPSES = (0.0, 0.1, 0.3, 0.6, 1.0)  # as shares of the bound
+_FINE_LAPSES = (0.0, 0.1, 0.3, 0.5, 0.7, 0.85, 1.0)  # as shares of the bound
 _STEP_SPACING = 2.0  # η between the starts at the steepest slope: a level or none is on the rise
-_FARTHEST_ETA = 6.0  # η at the middle of the levels of the most one-sided start
+_FARTHEST_ETA = 3.0  # η that starts reach beyond the levels: farther on, nothing has a slope
 _STEP_MARGIN = 10.0  # η by which they reach beyond the levels
 
 
@@ -139,6 +139,8 @@ def fit_batch(
     thorough = tolerance <= TOLERANCE
     flattest, count = (_FLATTEST, _FINE_STEEPNESSES) if thorough else (0.2, _STEEPNESSES)
     steepnesses = sign * np.geomspace(flattest, scale.steepest, count)
+    if thorough:
+        steepnesses = np.append(sign * SHALLOWEST, steepnesses)
     steep = (sign * scale.steepest, sign * SHALLOWEST)
     lower = np.array([-np.inf, min(steep), 0.0])
     upper = np.array([np.inf, max(steep), what.lapse_bound])
@@ -255,8 +257,8 @@ def _all_starts(
 def _centres_of(b: float) -> Array:
     """Centres for one slope of η by z: those of all slopes, and as many as tell it from others."""
     reach = 1 + _FARTHEST_ETA / b
-    near = np.linspace(-1 - _STEP_MARGIN / b, 1 + _STEP_MARGIN / b, round(2 * b) + 8)
-    return np.concatenate([_CENTRES, near, np.linspace(-reach, reach, 33)])
+    inside = np.abs(_CENTRES) <= reach
+    return np.concatenate([_CENTRES[inside], np.linspace(-reach, reach, round(2 * b) + 33)])
 
 
 def _grid(what: Setting, centres: Array, slopes: Array, lapses: tuple[float, ...]) -> Array:

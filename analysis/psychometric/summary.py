@@ -16,7 +16,7 @@ from analysis.psychometric.counts import Counts
 from analysis.psychometric.fit import Batch, Setting, deviance, fit, fit_batch
 from analysis.psychometric.functions import Array, proportion
 from analysis.psychometric.scoring import ROUGH
-from analysis.psychometric.verdict import INTERVAL, judge, sentence
+from analysis.psychometric.verdict import INTERVAL, judge, verdict_words
 
 INTERVALS = {
     "profile": "profile likelihood",
@@ -29,12 +29,33 @@ SAMPLES = 2000
 
 @dataclass(frozen=True)
 class Threshold:
-    """Level at proportion `at` with the ends of its 95 % interval; ±inf where unbounded."""
+    """Level at proportion `at` with the ends of its 95 % interval; ±inf where unbounded.
+
+    `least` and `most` are the levels shown: nothing is known of what lies beyond them, so that an
+    end out there is told as “beyond” the last level, never as a number.
+    """
 
     at: float
     value: float
     low: float
     high: float
+    least: float = float("-inf")
+    most: float = float("inf")
+
+    @property
+    def beyond_low(self) -> float | None:
+        """The level beyond which the lower end lies, if it does."""
+        return self.least if self.low < self.least and np.isfinite(self.least) else None
+
+    @property
+    def beyond_high(self) -> float | None:
+        """The level beyond which the upper end lies, if it does."""
+        return self.most if self.high > self.most and np.isfinite(self.most) else None
+
+    @property
+    def signed_down(self) -> "Threshold":
+        """The threshold with its sign turned, ends in ascending order."""
+        return Threshold(self.at, -self.value, -self.high, -self.low, -self.most, -self.least)
 
 
 @dataclass(frozen=True)
@@ -83,13 +104,26 @@ class Summary:
         }
 
 
-def threshold_dict(threshold: Threshold, verdict: str) -> dict[str, float | None]:
-    """A threshold as JSON; None for what is denied or unbounded."""
+def threshold_dict(threshold: Threshold, verdict: str) -> dict[str, Any]:
+    """A threshold as JSON; None for what is denied, or lies beyond the levels shown.
+
+    Of an end beyond them the key `low_reason` or `high_reason` says so: “beyond −8”.
+    """
     numbers = {"value": threshold.value, "low": threshold.low, "high": threshold.high}
-    return {"at": threshold.at} | {
-        name: float(value) if verdict == "ok" and np.isfinite(value) else None
-        for name, value in numbers.items()
-    }
+    beyond = {"low": threshold.beyond_low, "high": threshold.beyond_high}
+    told: dict[str, Any] = {"at": threshold.at}
+    for name, value in numbers.items():
+        known = verdict == "ok" and np.isfinite(value) and beyond.get(name) is None
+        told[name] = float(value) if known else None
+    for name, level in beyond.items():
+        if verdict == "ok" and level is not None:
+            told[f"{name}_reason"] = f"beyond {plain_number(level)}, the last level shown"
+    return told
+
+
+def plain_number(level: float) -> str:
+    """A level with the typesetter's minus."""
+    return f"{level:.10g}".replace("-", "−")
 
 
 def summarise(
@@ -121,8 +155,9 @@ def summarise(
         plain = _summaries(*table, samples, rng)[0]
         again = _refit(data, pooled, fits, interval, samples, rng)
     thresholds = tuple(
-        Threshold(each.at, each.value, *percentile_interval(again.threshold(each.at), INTERVAL))
+        replace(each, low=low, high=high)
         for each in plain.thresholds
+        for low, high in [percentile_interval(again.threshold(each.at), INTERVAL)]
     )
     method = f"{INTERVALS[interval]}, {samples} samples"
     return replace(plain, thresholds=thresholds, interval_method=method)
@@ -166,11 +201,21 @@ def _summaries(
             deviance=float(lost[row]),
             deviance_p=None if p is None else float(p[row]),
             thresholds=tuple(
-                Threshold(each, float(value[row]), float(low[row]), float(high[row]))
+                Threshold(
+                    each,
+                    float(value[row]),
+                    float(low[row]),
+                    float(high[row]),
+                    float(levels[total[row] > 0].min()),
+                    float(levels[total[row] > 0].max()),
+                )
                 for each, value, (_, low, high) in zip(at, found, judged, strict=True)
             ),
             interval_method=INTERVALS["profile"],
-            verdicts=tuple(sentence(int(verdict[row])) for verdict, _, _ in judged),
+            verdicts=tuple(
+                verdict_words(int(verdict[row]), fits.setting, levels, correct[row], total[row])
+                for verdict, _, _ in judged
+            ),
             trials=int(total[row].sum()),
         )
         for row in range(len(total))

@@ -24,10 +24,7 @@ def beside_section(context: Context, found: list[Supplement]) -> Section:
             "Motion": data["motion"],
             "By": data["method"],
             "Threshold": data["value"].map(signed),
-            "95% interval": [
-                f"{signed(low)} to {signed(high)}" if low == low else "–"
-                for low, high in zip(data["low"], data["high"], strict=True)
-            ],
+            "95% interval": data["ends"],
         }
     )
     findings = tuple(
@@ -38,7 +35,7 @@ def beside_section(context: Context, found: list[Supplement]) -> Section:
     table = Table(
         f"{context.stem}-beside",
         "The same trials by other methods (frames, signed).",
-        data,
+        data.drop(columns="ends"),
         shown,
         "Bias-reduced: Jeffreys’ penalty against the steepness that few or adaptive trials "
         "feign. Random threshold: all people at once, thresholds normal among them, with their "
@@ -54,23 +51,33 @@ def _rows(entry: Supplement) -> list[dict[str, Any]]:
     none = float("nan")
     rows = []
     if entry.bias_reduced:
-        value = {"value": entry.bias_reduced["value"], "low": none, "high": none}
+        value = {"value": entry.bias_reduced["value"], "low": none, "high": none, "ends": "–"}
         rows.append({**common, "method": "bias-reduced fit", **value})
     if entry.random_threshold:
         fit = entry.random_threshold
-        name = f"random threshold (SD {number(fit.sd)})"
-        rows.append(
-            {**common, "method": name, "value": fit.value, "low": fit.low, "high": fit.high}
-        )
+        name = f"random threshold (SD {number(fit['sd'])})"
+        rows.append({**common, "method": name, **_numbers(fit)})
     for told in entry.d_prime:
         name = f"d′ = 1, {told['rule']}"
-        ends = {key: none if told[key] is None else told[key] for key in ("value", "low", "high")}
-        rows.append({**common, "method": name, **ends})
+        rows.append({**common, "method": name, **_numbers(told)})
     if entry.second_opinion:
         other = entry.second_opinion
-        ends = {"value": other.value, "low": other.low, "high": other.high}
-        rows.append({**common, "method": other.method, **ends})
+        rows.append({**common, "method": other["method"], **_numbers(other)})
     return rows
+
+
+def _numbers(told: dict[str, Any]) -> dict[str, Any]:
+    """Value and ends, nan where there is none, and the ends in words."""
+    held = {
+        key: float("nan") if told[key] is None else told[key] for key in ("value", "low", "high")
+    }
+    words = [
+        str(told[f"{end}_reason"]).partition(",")[0]
+        if f"{end}_reason" in told
+        else signed(held[end])
+        for end in ("low", "high")
+    ]
+    return {**held, "ends": " to ".join(words) if held["value"] == held["value"] else "–"}
 
 
 def difference_section(

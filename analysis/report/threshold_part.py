@@ -18,12 +18,12 @@ from analysis.report.supplement_part import (
 )
 from analysis.report.track_part import track_section
 from analysis.report.words import (
+    beyond,
     count,
     number,
     p_value,
     share,
     signed,
-    signed_interval,
 )
 from analysis.supplements import against_shown, differences, supplement
 from analysis.thresholds import ALL, Entry, entries, plan_of, prepared, signed_threshold
@@ -84,9 +84,18 @@ def sentence(entry: Entry, number_of: int = 0) -> str:
     return (
         f"{words} the two pairs were told apart at a proportion of {share(threshold.at)} when the "
         f"blend differed by {signed(threshold.value)} frames, "
-        f"{signed_interval(threshold.low, threshold.high)} ({fit.interval_method}); "
+        f"95% CI [{', '.join(ends_in_words(threshold))}] ({fit.interval_method}); "
         f"{fit.function} function, slope {number(fit.slope)}, lapse rate {share(fit.lapse, 3)}, "
         f"deviance {number(fit.deviance)}, simulated {p_value(fit.deviance_p)}."
+    )
+
+
+def ends_in_words(threshold: Threshold) -> tuple[str, str]:
+    """Both ends of a signed threshold: numbers within the levels shown, else “beyond −8”."""
+    low, high = threshold.beyond_low, threshold.beyond_high
+    return (
+        signed(threshold.low) if low is None else beyond(low),
+        signed(threshold.high) if high is None else beyond(high),
     )
 
 
@@ -113,8 +122,9 @@ def _table(name: str, found: list[Entry]) -> Table:
             "n": entry.summary.trials,
             "at": threshold.at,
             "value": value.value,
-            "low": value.low,
-            "high": value.high,
+            "low": value.low if value.beyond_low is None else float("nan"),
+            "high": value.high if value.beyond_high is None else float("nan"),
+            "ends": " to ".join(ends_in_words(value)) if verdict == "ok" else "–",
             **{name: told[name] for name in OF_THE_FIT},
             "stop_level": entry.staircase["stop_level"],
             "reversal_mean": entry.staircase["reversal_mean"],
@@ -136,10 +146,11 @@ def _table(name: str, found: list[Entry]) -> Table:
     return Table(
         name,
         "Thresholds in frames of blend length beyond the reference (signed).",
-        data,
+        data.drop(columns="ends"),
         _shown(data),
         "“Most visited” is the level answered most often, “reversals” the mean at the track's "
-        "turns; both are means over tracks. A dash: not identifiable, or no bound.",
+        "turns; both are means over tracks. A dash: not identifiable. “Beyond”: the interval "
+        "reaches past the last level shown, where these answers say nothing.",
     )
 
 
@@ -155,10 +166,7 @@ def _shown(data: pd.DataFrame) -> pd.DataFrame:
             "Trials": data["n"].map(str),
             "At": data["at"].map(share),
             "Threshold": data["value"].map(signed),
-            "95% interval": [
-                f"{signed(low)} to {signed(high)}" if low == low or high == high else "–"
-                for low, high in zip(data["low"], data["high"], strict=True)
-            ],
+            "95% interval": data["ends"],
             "Slope": data["slope"].map(number),
             "Deviance p": data["deviance_p"].map(lambda p: share(p, 3)),
             "Most visited": data["stop_level"].map(signed),
@@ -204,7 +212,8 @@ def _side(axis: Any, entry: Entry) -> None:
 
 def _interval(axis: Any, threshold: Threshold, colour: str) -> None:
     y = threshold.at
-    low, high = np.clip([threshold.low, threshold.high], -1e3, 1e3)
+    low = np.clip(threshold.low, threshold.least, threshold.most)
+    high = np.clip(threshold.high, threshold.least, threshold.most)
     axis.plot([low, high], [y, y], color=INK, linewidth=1.2, solid_capstyle="butt", zorder=4)
     axis.plot([threshold.value], [y], "o", color=colour, mec=INK, ms=5, zorder=5)
 

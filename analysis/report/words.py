@@ -42,6 +42,11 @@ def signed_interval(low: float | None, high: float | None, digits: int = 1) -> s
     return f"95% CI [{signed(low, digits)}, {signed(high, digits)}]"
 
 
+def beyond(level: float) -> str:
+    """An end that lies beyond the last level shown: `beyond −8`."""
+    return f"beyond {f'{level:.10g}'.replace('-', MINUS)}"
+
+
 def listing(names: Sequence[str]) -> str:
     """`a, b and c`."""
     if len(names) < 2:
