@@ -77,6 +77,10 @@ def _estimates(held: dict[str, Any]) -> list[str]:
     ]
 
 
+def _of_category(row: dict[str, Any]) -> str:
+    return f" ({row['category']})" if row.get("category", "all") != "all" else ""
+
+
 def _people(number: int | None) -> str:
     return "some people" if number is None else count(number, "person", "people")
 
@@ -92,7 +96,7 @@ def _power(held: dict[str, Any], context: Context) -> list[str]:
     own = (context.protocol.get("participants"), held.get("participants"))
     stated = next((n for n in own if any(row["participants"] == n for row in rows)), None)
     powers = [
-        f"{share(row['power'])} for an effect of {row['effect']:g}"
+        f"{share(row['power'])} for an effect of {row['effect']:g}{_of_category(row)}"
         for row in rows
         if row["participants"] == stated
     ]

@@ -49,7 +49,7 @@ def run(args: argparse.Namespace) -> int:
         for n in range(args.sets)
     ]
     studies = _all(jobs, args.workers)
-    options = Options(args.seed, tuple(args.effect or ()), args.stimuli)
+    options = Options(args.seed, tuple(args.effect or ()), args.stimuli, args.workers)
     created = datetime.now(UTC).isoformat(timespec="seconds")
     entry = certificate(protocol, lengths, studies, people, options) | {"created": created}
     _write(args.out, protocol.hash, entry)
@@ -131,8 +131,12 @@ def describe(entry: dict[str, Any]) -> str:
             f"{_spread(row['reversal_mean'])}, most visited {_spread(row['stop_level'])}; interval "
             f"covers {row['coverage']:.2f}, identifiable {row['identifiable']:.2f}"
         )
-    for test, share in entry.get("finds", {}).items():
-        lines.append(f"{test} finds the observer's preference in {share:.2f} of studies")
+    for category, finds in (entry.get("finds_by_category") or {"": entry.get("finds", {})}).items():
+        for test, share in finds.items():
+            where = f" of {category}" if category else ""
+            lines.append(f"{test} finds the observer's preference{where} in {share:.2f} of studies")
+    if "power_test" in entry:
+        lines.append(f"power is that of {entry['power_test']}")
     if "recommended_for" in entry:
         n = entry["recommended_participants"]
         lines.append(f"people recommended ({entry['recommended_for']}): "
