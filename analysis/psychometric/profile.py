@@ -24,7 +24,7 @@ _NEAREST = 0.05
 _STEPS = 9
 _CLOSE = 1e-6  # gain in log likelihood that a step must promise: the floor is at 1.92
 _START_SLOPES = 12
-_START_LAPSES = (0.0, 0.02, 0.06)
+_START_LAPSES = (0.0, 0.02, 0.06, 0.15)
 
 
 def threshold_interval(
@@ -76,7 +76,7 @@ def profile_threshold(fits: Batch, z0: Array, correct: Array, total: Array, at: 
         return p, q, np.stack(parts, 1)
 
     lower = np.array([SHALLOWEST, 0.0])
-    upper = np.array([fits.scale.steepest, min(what.lapse_bound, 1 - at - 1e-4)])
+    upper = np.array([fits.scale.steepest, 1 - at - 1e-4])  # whatever bound the fit keeps to
     slopes = np.geomspace(0.2, fits.scale.steepest, _START_SLOPES)
     return _best(model, slopes, lower, upper, what, correct, total)
 

@@ -16,7 +16,7 @@ from analysis.psychometric.counts import Counts
 from analysis.psychometric.fit import Batch, Setting, deviance, fit, fit_batch
 from analysis.psychometric.functions import Array, proportion
 from analysis.psychometric.scoring import ROUGH
-from analysis.psychometric.verdict import INTERVAL, judge, verdict_words
+from analysis.psychometric.verdict import INTERVAL, at_lapse_bound, judge, verdict_words
 
 INTERVALS = {
     "profile": "profile likelihood",
@@ -74,10 +74,18 @@ class Summary:
     interval_method: str
     verdicts: tuple[str, ...]
     trials: int
+    lapse_bound: float | None = None  # where the free lapse rate ended at it
 
     @property
     def verdict(self) -> str:
         return self.verdicts[0]
+
+    @property
+    def note(self) -> str:
+        """What is to be known of a fit that stands; empty where there is nothing."""
+        if self.lapse_bound is None:
+            return ""
+        return f"the lapse rate is at its bound of {self.lapse_bound:g}"
 
     def proportion(self, levels: Array) -> Array:
         """The fitted proportion right at `levels`."""
@@ -101,7 +109,7 @@ class Summary:
             "threshold": threshold_dict(self.thresholds[0], self.verdicts[0]),
             "interval_method": self.interval_method,
             "verdict": self.verdict,
-        }
+        } | ({"note": self.note} if self.note else {})
 
 
 def threshold_dict(threshold: Threshold, verdict: str) -> dict[str, Any]:
@@ -186,7 +194,7 @@ def _summaries(
     samples: int,
     rng: np.random.Generator,
 ) -> list[Summary]:
-    lost = deviance(fits, correct, total)
+    lost, bounded = deviance(fits, correct, total), at_lapse_bound(fits)
     judged = [judge(levels, fits, correct, total, each) for each in at]
     found = [fits.threshold(each) for each in at]
     p = deviance_p(fits, total, lost, samples, rng) if samples else None
@@ -217,6 +225,7 @@ def _summaries(
                 for verdict, _, _ in judged
             ),
             trials=int(total[row].sum()),
+            lapse_bound=fits.setting.lapse_bound if bounded[row] else None,
         )
         for row in range(len(total))
     ]

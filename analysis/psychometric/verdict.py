@@ -5,6 +5,8 @@ number. Their two errors are held by simulation: of chance data at most 5 % get 
 good data (threshold inside the levels, 40 trials a level) at most 5 % are refused.
 """
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.special import betainc, chdtrc
 
@@ -37,6 +39,8 @@ REASONS = (
     "the {interval:.0%} profile interval of the threshold is unbounded",
 )
 BELOW_P = 1e-3  # of a binomial test of fewer right answers than by guessing
+WIDE = 0.8  # of what the guess rate leaves: the bound that a lapse rate at its own is tried with
+BETTER = 0.5  # log likelihood by which the wider bound must fit better
 AT_BOUND = 1e-4  # a free lapse rate as close to its bound is at it
 
 
@@ -75,9 +79,7 @@ def judge(
     above = flat & (1 - _at_most(right - 1, trials, at) < BELOW_P)
     guess = fits.setting.guess
     below = _at_most(right, trials, guess) < BELOW_P
-    lapses = np.zeros(len(right), bool)
-    if fits.setting.lapse is None:
-        lapses = fits.lapse >= fits.setting.lapse_bound - AT_BOUND
+    lapses = _bound_too_low(levels, fits, correct, total)
     lowest = levels[shown.argmax(1)]
     highest = levels[len(levels) - 1 - shown[:, ::-1].argmax(1)]
     outside = ~((threshold >= lowest) & (threshold <= highest))
@@ -88,6 +90,26 @@ def judge(
     for reason, fault in reversed(list(enumerate((*faults, unbounded), start=1))):
         verdict[fault] = reason
     return verdict, low, high
+
+
+def at_lapse_bound(fits: Batch) -> Array:
+    """Whether each free lapse rate (B,) ended at its bound."""
+    if fits.setting.lapse is not None:
+        return np.zeros(len(fits.a), bool)
+    return fits.lapse >= fits.setting.lapse_bound - AT_BOUND
+
+
+def _bound_too_low(levels: Array, fits: Batch, correct: Array, total: Array) -> Array:
+    """Whether a wider bound fits better (B,): the threshold of such a fit is pushed aside.
+
+    Where it does not, the fit stands: the profile interval lets the lapse rate go beyond the bound.
+    """
+    found = at_lapse_bound(fits)
+    if found.any():
+        wide = replace(fits.setting, lapse_bound=WIDE * (1 - fits.setting.guess))
+        again = fit_batch(levels, correct[found], total[found], wide)
+        found[found] = again.value > fits.value[found] + BETTER
+    return found
 
 
 def _at_most(right: Array, trials: Array, p: float) -> Array:

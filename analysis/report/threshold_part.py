@@ -85,7 +85,8 @@ def sentence(entry: Entry, number_of: int = 0) -> str:
         f"{words} the two pairs were told apart at a proportion of {share(threshold.at)} when the "
         f"blend differed by {signed(threshold.value)} frames, "
         f"95% CI [{', '.join(ends_in_words(threshold))}] ({fit.interval_method}); "
-        f"{fit.function} function, slope {number(fit.slope)}, lapse rate {share(fit.lapse, 3)}, "
+        f"{fit.function} function, slope {number(fit.slope)}, lapse rate {share(fit.lapse, 3)}"
+        f"{' (at its bound)' if fit.note else ''}, "
         f"deviance {number(fit.deviance)}, simulated {p_value(fit.deviance_p)}."
     )
 

@@ -56,10 +56,28 @@ def test_keys_of_a_psychometric_entry(written: Path) -> None:
                 "staircase_threshold"} <= set(entry)  # fmt: skip
         threshold = entry["threshold"]
         assert threshold["at"] == 0.75
-        assert threshold["low"] < threshold["value"] < threshold["high"]
+        low, high = (
+            threshold[end] if f"{end}_reason" not in threshold else edge
+            for end, edge in (("low", -np.inf), ("high", np.inf))
+        )
+        assert low < threshold["value"] < high
         assert set(entry["staircase_threshold"]) == {"stop_level", "reversal_mean"}
     assert pooled[0]["threshold"]["value"] < 0 < pooled[1]["threshold"]["value"]
     assert {entry["participant"] for entry in study["psychometric"]} > {"p00", "p05"}
+
+
+def test_an_end_beyond_the_levels_is_told_everywhere_and_never_a_number(written: Path) -> None:
+    """The shorter blends of this study end at −8, and their threshold lies at −7."""
+    study = document(written)["studies"][1]
+    entry = next(e for e in study["psychometric"] if e["side"] == "shorter")
+    assert entry["threshold"]["low"] is None
+    assert entry["threshold"]["low_reason"] == "beyond −8, the last level shown"
+    assert any("95% CI [beyond −8, −" in sentence for sentence in study["text"])
+    page = (written / "report.html").read_text()
+    assert "beyond −8 to −" in page
+    for told in study["psychometric"]:
+        ends = [told["threshold"][end] for end in ("low", "high")]
+        assert all(end is None or -8 <= end <= 12 for end in ends)
 
 
 def test_the_page_needs_no_network_and_is_one_file(written: Path) -> None:
