@@ -19,7 +19,7 @@ from analysis.psychometric.profile import threshold_interval
 from analysis.psychometric.reduced import fit_reduced
 from analysis.psychometric.scoring import ROUGH
 from analysis.psychometric.verdict import judge
-from analysis.thresholds import Plan, prepared
+from analysis.thresholds import FitPlan, prepared
 from analysis.tracks import staircase_threshold, tracks
 
 SAMPLES = 400  # resamples of people for one simulated study's interval
@@ -39,7 +39,7 @@ class Estimate:
     stop_level: float | None
 
 
-def estimates(trials: pd.DataFrame, plan: Plan, seed: int) -> list[Estimate]:
+def estimates(trials: pd.DataFrame, plan: FitPlan, seed: int) -> list[Estimate]:
     """Both sides of a simulated odd-pair study, analysed as the report does."""
     table = prepared(trials[trials["correct"].notna()])
     found = []
@@ -65,7 +65,7 @@ def estimates(trials: pd.DataFrame, plan: Plan, seed: int) -> list[Estimate]:
 
 
 def _fitted(
-    data: PeopleCounts, plan: Plan, rng: np.random.Generator
+    data: PeopleCounts, plan: FitPlan, rng: np.random.Generator
 ) -> tuple[float, float, float, bool]:
     pooled, at = data.pooled(), plan.at[0]
     fits = fit(pooled, plan.what)

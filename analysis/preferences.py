@@ -17,7 +17,7 @@ ALL = "all"
 
 
 @dataclass(frozen=True)
-class Preference:
+class PreferenceCount:
     """`prefer_a` of `n` answers chose a; percentages with the ends of the 95 % interval."""
 
     n: int
@@ -31,14 +31,14 @@ class Preference:
     binomial_p: float | None
 
 
-def preference(prefer_a: int, n: int, level: float = 0.95) -> Preference:
+def preference(prefer_a: int, n: int, level: float = 0.95) -> PreferenceCount:
     """Everything about one count; the numbers are None when nobody answered."""
     if n == 0:
-        return Preference(0, 0, None, None, None, None, 1, None, None)
+        return PreferenceCount(0, 0, None, None, None, None, 1, None, None)
     test = binomtest(prefer_a, n, 0.5)
     ends = test.proportion_ci(level, method="wilson")
     statistic = chi_square(prefer_a, n)
-    return Preference(
+    return PreferenceCount(
         n=n,
         prefer_a=prefer_a,
         percent=100 * prefer_a / n,
@@ -73,17 +73,17 @@ class Contest:
         return len(self.choices) > 0 and self.choices["a_first"].nunique() == 1
 
     @property
-    def count(self) -> Preference:
+    def count(self) -> PreferenceCount:
         return preference(int(self.choices["chose_a"].sum()), len(self.choices))
 
     @property
-    def first_chosen(self) -> Preference:
+    def first_chosen(self) -> PreferenceCount:
         """How often the clip shown first (or left) was chosen: the bias of place."""
         same = self.choices["chose_a"] == self.choices["a_first"]
         return preference(int(same.sum()), len(same))
 
     @property
-    def by_place(self) -> dict[str, Preference]:
+    def by_place(self) -> dict[str, PreferenceCount]:
         """Choices of a when it came first, and when it came second."""
         parts = {"first": 1, "second": 0}
         return {
@@ -92,7 +92,7 @@ class Contest:
             for part in [self.choices[self.choices["a_first"] == value]]
         }
 
-    def per_motion(self) -> list[tuple[str, Preference]]:
+    def per_motion(self) -> list[tuple[str, PreferenceCount]]:
         return [
             (str(motion), preference(int(part["chose_a"].sum()), len(part)))
             for motion, part in self.choices.groupby("motion", sort=True)

@@ -12,15 +12,15 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from analysis.naturalness import measures
+from analysis.naturalness import clip_measures
 from analysis.psychometric import Counts, Setting, counts, fit, people_counts, summarise
 from analysis.psychometric.compare import Comparison, same_function
-from analysis.psychometric.dprime import RULES, proportion_of
+from analysis.psychometric.dprime import DECISION_RULES, proportion_of
 from analysis.psychometric.opinion import Opinion, second_opinion
 from analysis.psychometric.random import RandomThreshold, fit_random_threshold
 from analysis.psychometric.reduced import fit_reduced
 from analysis.psychometric.summary import Threshold, threshold_dict
-from analysis.thresholds import ALL, Entry, Plan
+from analysis.thresholds import ALL, Entry, FitPlan
 
 UNIT_D_PRIME = 1.0
 RELATIVE = "_from_reference"
@@ -50,7 +50,7 @@ class Supplement:
         }
 
 
-def supplement(entry: Entry, trials: pd.DataFrame, plan: Plan, opinion: bool) -> Supplement:
+def supplement(entry: Entry, trials: pd.DataFrame, plan: FitPlan, opinion: bool) -> Supplement:
     """The other fits of a pooled entry; nothing is fitted where the verdict denies a threshold."""
     at, sign = plan.at[0], entry.sign
     ok = entry.summary.verdict == "ok"
@@ -97,12 +97,14 @@ def _within(entry: Entry, found: RandomThreshold | Opinion) -> dict[str, Any]:
     return asdict(found) | {name: held for name, held in told.items() if name != "at"}
 
 
-def _in_d_prime(entry: Entry, plan: Plan) -> tuple[dict[str, Any], ...]:
+def _in_d_prime(entry: Entry, plan: FitPlan) -> tuple[dict[str, Any], ...]:
     """Thresholds at d′ = 1 under each decision rule, with profile intervals."""
-    ats = tuple(proportion_of(UNIT_D_PRIME, rule) for rule in RULES)
+    ats = tuple(proportion_of(UNIT_D_PRIME, rule) for rule in DECISION_RULES)
     fitted = summarise(entry.counts, plan.what, ats, samples=0)
     rows = []
-    for rule, threshold, verdict in zip(RULES, fitted.thresholds, fitted.verdicts, strict=True):
+    for rule, threshold, verdict in zip(
+        DECISION_RULES, fitted.thresholds, fitted.verdicts, strict=True
+    ):
         told = threshold_dict(threshold if entry.sign > 0 else threshold.signed_down, verdict)
         rows.append({"rule": rule, "d_prime": UNIT_D_PRIME, **told, "verdict": verdict})
     return tuple(rows)
@@ -176,12 +178,12 @@ class Shown:
 
 
 def against_shown(
-    trials: pd.DataFrame, stimuli: Mapping[str, dict[str, Any]], plan: Plan
+    trials: pd.DataFrame, stimuli: Mapping[str, dict[str, Any]], plan: FitPlan
 ) -> list[Shown]:
     """Fits of each side against |measure of the odd clip − measure of the reference|."""
     if not {"clip_a", "clip_b"} <= set(trials):
         return []
-    known = {clip: measures(entry) for clip, entry in stimuli.items()}
+    known = {clip: clip_measures(entry) for clip, entry in stimuli.items()}
     names = sorted({name for entry in known.values() for name in entry})
     found = []
     for name in names:
@@ -203,7 +205,7 @@ def against_shown(
 
 
 def _fit_shown(
-    part: pd.DataFrame, level: pd.Series, plan: Plan
+    part: pd.DataFrame, level: pd.Series, plan: FitPlan
 ) -> tuple[dict[str, float | None], str, float]:
     data = people_counts(part["participant"], level, part["correct"]).pooled()
     summary = summarise(data, plan.what, plan.at[:1], samples=0)

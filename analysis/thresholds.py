@@ -23,7 +23,7 @@ from analysis.psychometric import (
 )
 from analysis.psychometric.fit import LAPSE_BOUND
 from analysis.psychometric.summary import threshold_dict
-from analysis.tracks import Track, staircase_threshold, tracks
+from analysis.tracks import AnsweredTrack, staircase_threshold, tracks
 
 ALL = "all"
 PERSON_SAMPLES = 200  # simulated deviances for one person's fit, of which there are many
@@ -31,7 +31,7 @@ GUESS = 0.5  # two pairs to choose from
 
 
 @dataclass(frozen=True)
-class Plan:
+class FitPlan:
     """How an odd-pair study is fitted, from the protocol's table [analysis]."""
 
     what: Setting
@@ -40,14 +40,14 @@ class Plan:
     seed: int = 0
 
 
-def plan_of(protocol: dict[str, Any], seed: int = 0) -> Plan:
+def fit_plan_of(protocol: dict[str, Any], seed: int = 0) -> FitPlan:
     """The plan stated in a protocol; .75 (or the highest proportion named) leads."""
     stated = protocol.get("analysis")
     stated = stated if isinstance(stated, dict) else {}
     at = stated.get("at", (0.70, 0.75))
     named = [float(p) for p in (at if isinstance(at, list | tuple) else [at])]
     lapse = stated.get("lapse", "free")
-    return Plan(
+    return FitPlan(
         what=setting(
             str(stated.get("function", "logistic")),
             GUESS,
@@ -114,7 +114,7 @@ def prepared(trials: pd.DataFrame, specification: str = "") -> pd.DataFrame:
     return table
 
 
-def entries(trials: pd.DataFrame, plan: Plan) -> list[Entry]:
+def entries(trials: pd.DataFrame, plan: FitPlan) -> list[Entry]:
     """All fits of prepared trials: pooled, by motion, by person; shorter before longer."""
     found = []
     grouped = trials.groupby(["specification", "track"], sort=True)
@@ -131,7 +131,7 @@ def entries(trials: pd.DataFrame, plan: Plan) -> list[Entry]:
 
 
 def _entry(
-    part: pd.DataFrame, plan: Plan, side: str, specification: str, motion: str = ALL
+    part: pd.DataFrame, plan: FitPlan, side: str, specification: str, motion: str = ALL
 ) -> Entry:
     data = people_counts(part["participant"], part["level"], part["correct"])
     summary = summarise(
@@ -146,7 +146,7 @@ def _entry(
     return Entry(side, specification, motion, ALL, data, summary, found)
 
 
-def _people(part: pd.DataFrame, plan: Plan, side: str, specification: str) -> list[Entry]:
+def _people(part: pd.DataFrame, plan: FitPlan, side: str, specification: str) -> list[Entry]:
     """Each person's fit over all motions; none where there is but one person."""
     data = people_counts(part["participant"], part["level"], part["correct"])
     if len(data.people) < 2:
@@ -154,7 +154,7 @@ def _people(part: pd.DataFrame, plan: Plan, side: str, specification: str) -> li
     samples = min(plan.samples, PERSON_SAMPLES)
     rng = np.random.default_rng(plan.seed)
     fits = summarise_each(data, plan.what, plan.at, samples=samples, rng=rng)
-    ran: dict[str, list[Track]] = {person: [] for person in data.people}
+    ran: dict[str, list[AnsweredTrack]] = {person: [] for person in data.people}
     for track in tracks(part):
         ran[track.participant].append(track)
     return [

@@ -26,7 +26,7 @@ _WORDS = {"true": 1.0, "yes": 1.0, "right": 1.0, "correct": 1.0, "t": 1.0, "y": 
 
 
 @dataclass(frozen=True)
-class Table:
+class DelimitedTable:
     """A CSV: the names of its columns, and its rows that are not empty, each with its line."""
 
     separator: str
@@ -34,7 +34,7 @@ class Table:
     rows: list[tuple[int, list[str]]]
 
 
-def read_table(path: Path) -> Table:
+def read_table(path: Path) -> DelimitedTable:
     """A CSV file separated by commas, semicolons or tabs, whichever the header has most of.
 
     InputError where it cannot be read, which says why in words.
@@ -56,7 +56,9 @@ def read_table(path: Path) -> Table:
             f"{path}:{reader.line_num}: expected a CSV table, found a field longer than "
             f"{csv.field_size_limit()} letters; is a quotation mark left open?"
         ) from None
-    return Table(separator, [name.strip() for name in rows[0][1]] if rows else [], rows[1:])
+    return DelimitedTable(
+        separator, [name.strip() for name in rows[0][1]] if rows else [], rows[1:]
+    )
 
 
 def _text(path: Path) -> str:
@@ -120,7 +122,7 @@ def read_counts(path: Path, names: dict[str, str] | None = None) -> Counts:
         raise InputError(f"{path}: {error}") from None
 
 
-def _numbers(path: Path, read: Table, columns: list[int], flags: int) -> list[list[float]]:
+def _numbers(path: Path, read: DelimitedTable, columns: list[int], flags: int) -> list[list[float]]:
     """The numbers of `columns`; the column `flags` may hold words for right and wrong."""
     table, faults = [], []
     grouped = {c for c in columns if _in_thousands(read, c)}
@@ -139,7 +141,7 @@ def _numbers(path: Path, read: Table, columns: list[int], flags: int) -> list[li
     return table
 
 
-def _in_thousands(read: Table, column: int) -> bool:
+def _in_thousands(read: DelimitedTable, column: int) -> bool:
     """Whether commas in a column stand between thousands: 1,000 where commas separate fields.
 
     Where semicolons do, a comma may as well be a decimal one.

@@ -9,13 +9,13 @@ import pandas as pd
 from analysis.bradley_terry import scale
 from analysis.davidson import TiedScale, tied_scale
 from analysis.mixed import MixedFit, mixed_logistic
-from analysis.preferences import ALL, Contest, Preference, contests
+from analysis.preferences import ALL, Contest, PreferenceCount, contests
 from analysis.report.context import Context
 from analysis.report.draw import GRID, INK, LONGER, PALE, canvas, quiet_y, shorten
-from analysis.report.parts import Figure, Findings, Section, Table
+from analysis.report.parts import Figure, Findings, ReportTable, Section
 from analysis.report.scale_part import scale_section
 from analysis.report.words import count as count_words
-from analysis.report.words import interval, listing, number, p_value, sentence_case, share
+from analysis.report.words import decimal, interval, listing, p_value, sentence_case, share
 
 
 def report_preference(context: Context) -> Findings:
@@ -53,10 +53,10 @@ def ties_section(context: Context, found: TiedScale | None, ties: int) -> Sectio
     best, last = found.strengths[0], found.strengths[-1]
     difference = best.strength - last.strength
     sentence = (
-        f"With ties the log odds of {best.method} against {last.method} are {number(difference)} "
-        f"(strengths {number(best.strength)}, {interval(best.low, best.high)}, and "
-        f"{number(last.strength)}, {interval(last.low, last.high)}; people resampled); between "
-        f"equals the log odds of a tie against either are {number(found.tie)}, "
+        f"With ties the log odds of {best.method} against {last.method} are {decimal(difference)} "
+        f"(strengths {decimal(best.strength)}, {interval(best.low, best.high)}, and "
+        f"{decimal(last.strength)}, {interval(last.low, last.high)}; people resampled); between "
+        f"equals the log odds of a tie against either are {decimal(found.tie)}, "
         f"{interval(found.low, found.high)}."
     )
     return Section("Ties", findings=(told, sentence))
@@ -87,7 +87,7 @@ def comparison(contest: Contest, fit: MixedFit) -> dict[str, Any]:
     }
 
 
-def sentence(contest: Contest, alpha: float) -> str:
+def preference_sentence(contest: Contest, alpha: float) -> str:
     """The pooled result in APA style."""
     count = contest.count
     if count.n == 0:
@@ -96,9 +96,9 @@ def sentence(contest: Contest, alpha: float) -> str:
     significant = count.p is not None and count.p < alpha
     return (
         f"{sentence_case(contest.a)} was preferred to {contest.b}{where} in {count.prefer_a} of "
-        f"{count.n} answers ({number(count.percent, 1)}%, "
+        f"{count.n} answers ({decimal(count.percent, 1)}%, "
         f"{interval(count.low, count.high, 1)}), χ²({count.df}, N = {count.n}) = "
-        f"{number(count.chi2)}, {p_value(count.p)} (exact binomial test, "
+        f"{decimal(count.chi2)}, {p_value(count.p)} (exact binomial test, "
         f"{p_value(count.binomial_p)}); the preference is "
         f"{'significant' if significant else 'not significant'} at α = {share(alpha)}."
     )
@@ -108,10 +108,10 @@ def mixed_sentence(contest: Contest, fit: MixedFit, alpha: float) -> str:
     """What the model that respects repeated measures says, and whether it agrees."""
     if fit.estimate is None:
         return f"The mixed model gives no estimate ({fit.method.partition(': ')[2]})."
-    odds = number(float(np.exp(np.clip(fit.estimate, -20, 20))))
+    odds = decimal(float(np.exp(np.clip(fit.estimate, -20, 20))))
     told = (
         f"{_with_effects(fit)} the log odds of choosing {contest.a} are "
-        f"{number(fit.estimate)}, {interval(fit.low, fit.high)}, {p_value(fit.p)} "
+        f"{decimal(fit.estimate)}, {interval(fit.low, fit.high)}, {p_value(fit.p)} "
         f"(odds {odds}; {fit.method})."
     )
     pooled = contest.count.p is not None and contest.count.p < alpha
@@ -151,12 +151,13 @@ def bias_sentence(contest: Contest, alpha: float) -> str:
     biased = count.p is not None and count.p < alpha
     places = contest.by_place
     return (
-        f"The clip shown first was chosen in {number(count.percent, 1)}% of answers, "
-        f"{interval(count.low, count.high, 1)}, χ²(1, N = {count.n}) = {number(count.chi2)}, "
+        f"The clip shown first was chosen in {decimal(count.percent, 1)}% of answers, "
+        f"{interval(count.low, count.high, 1)}, χ²(1, N = {count.n}) = {decimal(count.chi2)}, "
         f"{p_value(count.p)}: {'a' if biased else 'no significant'} bias of place. "
-        f"{sentence_case(contest.a)} was chosen in {number(places['first'].percent, 1)}% of the "
+        f"{sentence_case(contest.a)} was chosen in {decimal(places['first'].percent, 1)}% of the "
         f"{places['first'].n} trials that showed it first and in "
-        f"{number(places['second'].percent, 1)}% of the {places['second'].n} that showed it second."
+        f"{decimal(places['second'].percent, 1)}% of the {places['second'].n} that showed it "
+        "second."
     )
 
 
@@ -168,7 +169,10 @@ def _title(contest: Contest) -> str:
 def _section(context: Context, contest: Contest, fit: MixedFit) -> Section:
     stem = f"{context.stem}-{contest.a}-{contest.b}-{contest.category}"
     rows = [("all motions", contest.count), *contest.per_motion()]
-    findings = [sentence(contest, context.alpha), mixed_sentence(contest, fit, context.alpha)]
+    findings = [
+        preference_sentence(contest, context.alpha),
+        mixed_sentence(contest, fit, context.alpha),
+    ]
     if contest.category == ALL:
         findings.append(bias_sentence(contest, context.alpha))
     return Section(
@@ -179,25 +183,25 @@ def _section(context: Context, contest: Contest, fit: MixedFit) -> Section:
     )
 
 
-def _table(stem: str, contest: Contest, rows: list[tuple[str, Preference]]) -> Table:
+def _table(stem: str, contest: Contest, rows: list[tuple[str, PreferenceCount]]) -> ReportTable:
     data = pd.DataFrame([{"motion": motion, **asdict(count)} for motion, count in rows])
     shown = pd.DataFrame(
         {
             "Motion": [motion for motion, _ in rows],
             "n": [str(count.n) for _, count in rows],
             f"Chose {contest.a}": [str(count.prefer_a) for _, count in rows],
-            "%": [number(count.percent, 1) for _, count in rows],
+            "%": [decimal(count.percent, 1) for _, count in rows],
             "95% interval": [
-                f"{number(count.low, 1)} to {number(count.high, 1)}" for _, count in rows
+                f"{decimal(count.low, 1)} to {decimal(count.high, 1)}" for _, count in rows
             ],
-            "χ²(1)": [number(count.chi2) for _, count in rows],
+            "χ²(1)": [decimal(count.chi2) for _, count in rows],
             "p": [p_value(count.p).removeprefix("p ").removeprefix("= ") for _, count in rows],
             "exact p": [
                 p_value(count.binomial_p).removeprefix("p ").removeprefix("= ") for _, count in rows
             ],
         }
     )
-    return Table(
+    return ReportTable(
         stem,
         f"Answers that chose {contest.a} over {contest.b}.",
         data,
@@ -206,7 +210,7 @@ def _table(stem: str, contest: Contest, rows: list[tuple[str, Preference]]) -> T
     )
 
 
-def _figure(stem: str, contest: Contest, rows: list[tuple[str, Preference]]) -> Figure:
+def _figure(stem: str, contest: Contest, rows: list[tuple[str, PreferenceCount]]) -> Figure:
     kept = [(motion, count) for motion, count in rows if count.percent is not None]
     with canvas(7.2, 0.8 + 0.3 * len(kept)) as drawn:
         axis = drawn.figure.subplots()

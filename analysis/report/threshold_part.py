@@ -9,7 +9,7 @@ import pandas as pd
 from analysis.psychometric import Threshold
 from analysis.report.context import Context
 from analysis.report.draw import GRID, INK, PALE, SIDES, canvas, quiet_y, shorten
-from analysis.report.parts import Figure, Findings, Section, Table
+from analysis.report.parts import Figure, Findings, ReportTable, Section
 from analysis.report.supplement_part import (
     answer_bias_section,
     beside_section,
@@ -20,13 +20,13 @@ from analysis.report.track_part import track_section
 from analysis.report.words import (
     beyond,
     count,
-    number,
+    decimal,
     p_value,
     share,
     signed,
 )
 from analysis.supplements import against_shown, differences, supplement
-from analysis.thresholds import ALL, Entry, entries, plan_of, prepared, signed_threshold
+from analysis.thresholds import ALL, Entry, entries, fit_plan_of, prepared, signed_threshold
 
 # Told as report.json tells them: nothing of a fit whose first threshold the verdict denies.
 OF_THE_FIT = ("slope", "lapse", "deviance", "deviance_p")
@@ -37,7 +37,7 @@ def report_odd_pair(context: Context) -> Findings:
     """Psychometric fits pooled, by motion and by person, and what stands beside them."""
     specification = str(context.table("stimuli").get("specification", ""))
     trials = prepared(context.screened.main, specification)
-    plan = plan_of(context.protocol, context.seed)
+    plan = fit_plan_of(context.protocol, context.seed)
     found = entries(trials, plan)
     beside = {
         id(entry): supplement(entry, trials, plan, context.second_opinion)
@@ -69,7 +69,7 @@ def report_odd_pair(context: Context) -> Findings:
     return Findings(tuple(sections), document)
 
 
-def sentence(entry: Entry, number_of: int = 0) -> str:
+def threshold_sentence(entry: Entry, number_of: int = 0) -> str:
     """One threshold in APA style, or why there is none."""
     threshold, verdict = signed_threshold(entry, number_of), entry.summary.verdicts[number_of]
     where = "" if entry.motion == ALL else f" of {entry.motion}"
@@ -85,9 +85,9 @@ def sentence(entry: Entry, number_of: int = 0) -> str:
         f"{words} the two pairs were told apart at a proportion of {share(threshold.at)} when the "
         f"blend differed by {signed(threshold.value)} frames, "
         f"95% CI [{', '.join(ends_in_words(threshold))}] ({fit.interval_method}); "
-        f"{fit.function} function, slope {number(fit.slope)}, lapse rate {share(fit.lapse, 3)}"
+        f"{fit.function} function, slope {decimal(fit.slope)}, lapse rate {share(fit.lapse, 3)}"
         f"{' (at its bound)' if fit.note else ''}, "
-        f"deviance {number(fit.deviance)}, simulated {p_value(fit.deviance_p)}."
+        f"deviance {decimal(fit.deviance)}, simulated {p_value(fit.deviance_p)}."
     )
 
 
@@ -106,13 +106,13 @@ def _pooled_section(context: Context, specification: str, found: list[Entry]) ->
     stem = f"{context.stem}-{specification or 'thresholds'}"
     return Section(
         f"Thresholds of {specification} transitions" if specification else "Thresholds",
-        findings=tuple(sentence(entry) for entry in whole),
+        findings=tuple(threshold_sentence(entry) for entry in whole),
         figures=(_curves(stem, whole),),
         tables=(_table(f"{stem}-thresholds", pooled),),
     )
 
 
-def _table(name: str, found: list[Entry]) -> Table:
+def _table(name: str, found: list[Entry]) -> ReportTable:
     rows = [
         {
             "side": entry.side,
@@ -144,7 +144,7 @@ def _table(name: str, found: list[Entry]) -> Table:
     data.loc[data["verdict"] != "ok", ["value", "low", "high"]] = np.nan
     for column in ("value", "low", "high"):
         data.loc[~np.isfinite(data[column]), column] = np.nan
-    return Table(
+    return ReportTable(
         name,
         "Thresholds in frames of blend length beyond the reference (signed).",
         data.drop(columns="ends"),
@@ -168,7 +168,7 @@ def _shown(data: pd.DataFrame) -> pd.DataFrame:
             "At": data["at"].map(share),
             "Threshold": data["value"].map(signed),
             "95% interval": data["ends"],
-            "Slope": data["slope"].map(number),
+            "Slope": data["slope"].map(decimal),
             "Deviance p": data["deviance_p"].map(lambda p: share(p, 3)),
             "Most visited": data["stop_level"].map(signed),
             "Reversals": data["reversal_mean"].map(signed),

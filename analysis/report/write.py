@@ -91,7 +91,7 @@ def write_report(
     text = json.dumps(clean(document), indent=2, ensure_ascii=False, allow_nan=False)
     write_atomic(out / "report.json", text + "\n")
     page = out / "report.html"
-    write_atomic(page, render(reports, notes))
+    write_atomic(page, page_of(reports, notes))
     return Written(page, document)
 
 
@@ -226,7 +226,7 @@ def _warnings(context: Context) -> tuple[str, ...]:
     return tuple(told)
 
 
-def render(reports: list[StudyReport], notes: list[str]) -> str:
+def page_of(reports: list[StudyReport], notes: list[str]) -> str:
     """The page; everything but the drawings made here is escaped."""
     from jinja2 import Environment, PackageLoader
     from markupsafe import Markup

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from study.cli.common import add_motions_option, print_json, progress
 
 if TYPE_CHECKING:
-    from study.cli.designs import Job
+    from study.cli.designs import SimulatedStudy
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -34,7 +34,7 @@ def run(args: argparse.Namespace) -> int:
 
     from stimuli.errors import InputError
     from stimuli.motion import Library, motion_directories
-    from study.cli.designs import Job, Options, certificate
+    from study.cli.designs import Options, SimulatedStudy, certificate
     from study.protocol import load
     from study.sets import references
 
@@ -45,7 +45,7 @@ def run(args: argparse.Namespace) -> int:
     people = args.participants or protocol.file.participants
     lengths = references(protocol, Library(motion_directories(args.motions)), args.set_name)
     jobs = [
-        Job(dict(protocol.document), lengths, args.seed * 100_003 + n, people)
+        SimulatedStudy(dict(protocol.document), lengths, args.seed * 100_003 + n, people)
         for n in range(args.sets)
     ]
     studies = _all(jobs, args.workers)
@@ -73,7 +73,7 @@ def _check_effects(effects: list[float], task: str) -> None:
             )
 
 
-def _all(jobs: "list[Job]", workers: int | None) -> list[dict[str, Any]]:
+def _all(jobs: "list[SimulatedStudy]", workers: int | None) -> list[dict[str, Any]]:
     """Simulate and analyse every study, on all cores."""
     import os
     from concurrent.futures import ProcessPoolExecutor

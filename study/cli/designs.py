@@ -20,7 +20,7 @@ WORTH_PROCESSES = 10  # simulated studies from which the power is worth other pr
 
 
 @dataclass(frozen=True)
-class Job:
+class SimulatedStudy:
     """One simulated study: small enough to send to a process."""
 
     document: dict[str, Any]
@@ -39,7 +39,7 @@ class Options:
     workers: int | None = None
 
 
-def one_study(job: Job) -> dict[str, Any]:
+def one_study(job: SimulatedStudy) -> dict[str, Any]:
     """Simulate one study and keep what the certificate needs of it."""
     from study.protocol import from_document
 
@@ -48,13 +48,13 @@ def one_study(job: Job) -> dict[str, Any]:
     return {
         "trials": counts,
         "minutes": minutes,
-        **TASKS.get(protocol.file.task, _nothing_more)(protocol, trials, job.seed),
+        **_JUDGED.get(protocol.file.task, _nothing_more)(protocol, trials, job.seed),
         "table": trials,
     }
 
 
 def simulated_trials(
-    protocol: "Protocol", job: Job
+    protocol: "Protocol", job: SimulatedStudy
 ) -> tuple["pd.DataFrame", list[float], list[float]]:
     """The counted trials of all people of one study, and each session's minutes and trials."""
     import pandas as pd
@@ -76,9 +76,9 @@ def simulated_trials(
 
 def _odd_pair(protocol: "Protocol", trials: "pd.DataFrame", seed: int) -> dict[str, Any]:
     from analysis.certificate import estimates
-    from analysis.thresholds import plan_of
+    from analysis.thresholds import fit_plan_of
 
-    return {"estimates": estimates(trials, plan_of(dict(protocol.document)), seed)}
+    return {"estimates": estimates(trials, fit_plan_of(dict(protocol.document)), seed)}
 
 
 def _preference(protocol: "Protocol", trials: "pd.DataFrame", seed: int) -> dict[str, Any]:
@@ -92,7 +92,7 @@ def _nothing_more(protocol: "Protocol", trials: "pd.DataFrame", seed: int) -> di
     return {}
 
 
-TASKS: dict[str, Callable[["Protocol", "pd.DataFrame", int], dict[str, Any]]] = {
+_JUDGED: dict[str, Callable[["Protocol", "pd.DataFrame", int], dict[str, Any]]] = {
     "odd-pair": _odd_pair,
     "preference": _preference,
 }
