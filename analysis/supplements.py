@@ -93,7 +93,7 @@ def _within(entry: Entry, found: RandomThreshold | Opinion) -> dict[str, Any]:
     """Another fit's numbers, signed like the entry, ends beyond the levels shown as reasons."""
     plain = entry.summary.thresholds[0]
     own = Threshold(plain.at, found.value, found.low, found.high, plain.least, plain.most)
-    told = threshold_dict(own if entry.sign > 0 else own.signed_down, "ok")
+    told = threshold_dict(own if entry.sign > 0 else own.signed_down, "ok", signed=True)
     return asdict(found) | {name: held for name, held in told.items() if name != "at"}
 
 
@@ -105,7 +105,9 @@ def _in_d_prime(entry: Entry, plan: FitPlan) -> tuple[dict[str, Any], ...]:
     for rule, threshold, verdict in zip(
         DECISION_RULES, fitted.thresholds, fitted.verdicts, strict=True
     ):
-        told = threshold_dict(threshold if entry.sign > 0 else threshold.signed_down, verdict)
+        told = threshold_dict(
+            threshold if entry.sign > 0 else threshold.signed_down, verdict, signed=True
+        )
         rows.append({"rule": rule, "d_prime": UNIT_D_PRIME, **told, "verdict": verdict})
     return tuple(rows)
 

@@ -84,7 +84,7 @@ class Entry:
         """The entry of report.json: thresholds signed and ordered, the fit on |difference|."""
         told = self.summary.as_dict()
         signed = [
-            threshold_dict(signed_threshold(self, place), verdict)
+            threshold_dict(signed_threshold(self, place), verdict, signed=True)
             for place, verdict in enumerate(self.summary.verdicts)
         ]
         return {

@@ -112,10 +112,11 @@ class Summary:
         } | ({"note": self.note} if self.note else {})
 
 
-def threshold_dict(threshold: Threshold, verdict: str) -> dict[str, Any]:
+def threshold_dict(threshold: Threshold, verdict: str, signed: bool = False) -> dict[str, Any]:
     """A threshold as JSON; None for what is denied, or lies beyond the levels shown.
 
-    Of an end beyond them the key `low_reason` or `high_reason` says so: “beyond −8”.
+    Of an end beyond them the key `low_reason` or `high_reason` says so: “beyond −8”, with its sign
+    either way where levels are `signed`.
     """
     numbers = {"value": threshold.value, "low": threshold.low, "high": threshold.high}
     beyond = {"low": threshold.beyond_low, "high": threshold.beyond_high}
@@ -125,13 +126,9 @@ def threshold_dict(threshold: Threshold, verdict: str) -> dict[str, Any]:
         told[name] = float(value) if known else None
     for name, level in beyond.items():
         if verdict == "ok" and level is not None:
-            told[f"{name}_reason"] = f"beyond {plain_number(level)}, the last level shown"
+            shown = f"{level:+.10g}" if signed else f"{level:.10g}"
+            told[f"{name}_reason"] = f"beyond {shown.replace('-', '−')}, the last level shown"
     return told
-
-
-def plain_number(level: float) -> str:
-    """A level with the typesetter's minus."""
-    return f"{level:.10g}".replace("-", "−")
 
 
 def summarise(

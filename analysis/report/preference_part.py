@@ -108,12 +108,19 @@ def mixed_sentence(contest: Contest, fit: MixedFit, alpha: float) -> str:
     """What the model that respects repeated measures says, and whether it agrees."""
     if fit.estimate is None:
         return f"The mixed model gives no estimate ({fit.method.partition(': ')[2]})."
+    method, _, left_out = fit.method.partition("; of variance 0")
     odds = decimal(float(np.exp(np.clip(fit.estimate, -20, 20))))
     told = (
         f"{_with_effects(fit)} the log odds of choosing {contest.a} are "
         f"{decimal(fit.estimate)}, {interval(fit.low, fit.high)}, {p_value(fit.p)} "
-        f"(odds {odds}; {fit.method})."
+        f"(odds {odds}; {method})."
     )
+    if left_out:
+        alike = [name for name, sd in _standard_deviations(fit) if sd == 0]
+        told += (
+            f" {sentence_case(listing(alike))} did not differ by more than chance, and the model "
+            "was fitted without that."
+        )
     pooled = contest.count.p is not None and contest.count.p < alpha
     own = fit.p is not None and fit.p < alpha
     if pooled == own:
@@ -129,14 +136,16 @@ def mixed_sentence(contest: Contest, fit: MixedFit, alpha: float) -> str:
 
 def _with_effects(fit: MixedFit) -> str:
     """The random effects that were fitted: an SD stands for each."""
-    effects = [
-        name
-        for name, sd in (("people", fit.sd_people), ("motions", fit.sd_motions))
-        if sd is not None
-    ]
+    effects = [name for name, _ in _standard_deviations(fit)]
     if not effects:
         return "Without random effects, which these answers cannot tell,"
     return f"With {listing(effects)} as random effects"
+
+
+def _standard_deviations(fit: MixedFit) -> list[tuple[str, float]]:
+    """The effects that were fitted with their standard deviations."""
+    held = (("people", fit.sd_people), ("motions", fit.sd_motions))
+    return [(name, sd) for name, sd in held if sd is not None]
 
 
 def bias_sentence(contest: Contest, alpha: float) -> str:

@@ -241,7 +241,8 @@ def _people_figure(stem: str, known: list[Entry]) -> Figure:
         for entry in known:
             threshold = signed_threshold(entry)
             place = names.index(entry.participant)
-            ends = np.clip([threshold.low, threshold.high], -edge, edge)
+            shown = (threshold.least, threshold.most)
+            ends = np.clip([threshold.low, threshold.high], *shown)
             axis.plot(ends, [place, place], color=SIDES[entry.side], linewidth=1, alpha=0.6)
             axis.plot([threshold.value], [place], "o", color=SIDES[entry.side], ms=4.5)
         axis.set_yticks(range(len(names)), shorten(names))

@@ -43,8 +43,8 @@ def signed_interval(low: float | None, high: float | None, digits: int = 1) -> s
 
 
 def beyond(level: float) -> str:
-    """An end that lies beyond the last level shown: `beyond −8`."""
-    return f"beyond {f'{level:.10g}'.replace('-', MINUS)}"
+    """An end that lies beyond the last level shown, signed: `beyond −8`, `beyond +12`."""
+    return f"beyond {f'{level:+.10g}'.replace('-', MINUS)}"
 
 
 def listing(names: Sequence[str]) -> str:
