@@ -7,7 +7,7 @@ from typing import Any
 
 from analysis.report.context import Context
 from analysis.report.parts import Section
-from analysis.report.words import count, decimal, listing, share, signed
+from analysis.report.words import count, listing, rounded, share, signed
 
 _FILE = "certificate.json"
 # What a certificate would say, by task: what is simulated of a study depends on what it asks.
@@ -71,7 +71,7 @@ def _when(held: dict[str, Any], context: Context) -> str:
 def _estimates(held: dict[str, Any]) -> list[str]:
     return [
         f"on the {side['side']} side a true {signed(side['truth'])} is estimated as "
-        f"{signed(side['fit']['mean'])} on average (SD {decimal(side['fit']['sd'])}), and the "
+        f"{signed(side['fit']['mean'])} on average (SD {rounded(side['fit']['sd'])}), and the "
         f"95% interval covers it in {share(side['coverage'])} of studies;"
         for side in held.get("thresholds", [])
     ]

@@ -7,7 +7,7 @@ from analysis.naturalness import ReceiverCurve, agreement, labels, receiver_curv
 from analysis.report.context import Context
 from analysis.report.draw import GRID, PALE, SERIES, canvas
 from analysis.report.parts import Figure, Findings, ReportTable, Section
-from analysis.report.words import count, decimal, interval, share
+from analysis.report.words import count, interval, rounded, share
 
 DRAWN = 6  # curves in the figure; the table has them all
 
@@ -29,9 +29,9 @@ def report_natural(context: Context) -> Findings:
     first = (
         f"{count(len(found.people), 'person', 'people')} gave {count(answers, 'answer')} on "
         f"{count(len(found.clips), 'clip')}; "
-        f"{decimal(100 * unnatural, 1)}% were “unnatural”. Agreement between people: "
+        f"{rounded(100 * unnatural, 1)}% were “unnatural”. Agreement between people: "
         f"Krippendorff's α = {share(alpha) if alpha is not None else 'not defined'}; two people "
-        f"gave a clip the same answer in {decimal(100 * (alike['pairwise'] or 0), 1)}% of pairs."
+        f"gave a clip the same answer in {rounded(100 * (alike['pairwise'] or 0), 1)}% of pairs."
     )
     document = {
         "agreement": alike,

@@ -15,7 +15,7 @@ from analysis.report.draw import GRID, INK, LONGER, PALE, canvas, quiet_y, short
 from analysis.report.parts import Figure, Findings, ReportTable, Section
 from analysis.report.scale_part import scale_section
 from analysis.report.words import count as count_words
-from analysis.report.words import decimal, interval, listing, p_value, sentence_case, share
+from analysis.report.words import interval, listing, p_value, rounded, sentence_case, share
 
 
 def report_preference(context: Context) -> Findings:
@@ -53,10 +53,10 @@ def ties_section(context: Context, found: TiedScale | None, ties: int) -> Sectio
     best, last = found.strengths[0], found.strengths[-1]
     difference = best.strength - last.strength
     sentence = (
-        f"With ties the log odds of {best.method} against {last.method} are {decimal(difference)} "
-        f"(strengths {decimal(best.strength)}, {interval(best.low, best.high)}, and "
-        f"{decimal(last.strength)}, {interval(last.low, last.high)}; people resampled); between "
-        f"equals the log odds of a tie against either are {decimal(found.tie)}, "
+        f"With ties the log odds of {best.method} against {last.method} are {rounded(difference)} "
+        f"(strengths {rounded(best.strength)}, {interval(best.low, best.high)}, and "
+        f"{rounded(last.strength)}, {interval(last.low, last.high)}; people resampled); between "
+        f"equals the log odds of a tie against either are {rounded(found.tie)}, "
         f"{interval(found.low, found.high)}."
     )
     return Section("Ties", findings=(told, sentence))
@@ -96,9 +96,9 @@ def preference_sentence(contest: Contest, alpha: float) -> str:
     significant = count.p is not None and count.p < alpha
     return (
         f"{sentence_case(contest.a)} was preferred to {contest.b}{where} in {count.prefer_a} of "
-        f"{count.n} answers ({decimal(count.percent, 1)}%, "
+        f"{count.n} answers ({rounded(count.percent, 1)}%, "
         f"{interval(count.low, count.high, 1)}), χ²({count.df}, N = {count.n}) = "
-        f"{decimal(count.chi2)}, {p_value(count.p)} (exact binomial test, "
+        f"{rounded(count.chi2)}, {p_value(count.p)} (exact binomial test, "
         f"{p_value(count.binomial_p)}); the preference is "
         f"{'significant' if significant else 'not significant'} at α = {share(alpha)}."
     )
@@ -109,10 +109,10 @@ def mixed_sentence(contest: Contest, fit: MixedFit, alpha: float) -> str:
     if fit.estimate is None:
         return f"The mixed model gives no estimate ({fit.method.partition(': ')[2]})."
     method, _, left_out = fit.method.partition("; of variance 0")
-    odds = decimal(float(np.exp(np.clip(fit.estimate, -20, 20))))
+    odds = rounded(float(np.exp(np.clip(fit.estimate, -20, 20))))
     told = (
         f"{_with_effects(fit)} the log odds of choosing {contest.a} are "
-        f"{decimal(fit.estimate)}, {interval(fit.low, fit.high)}, {p_value(fit.p)} "
+        f"{rounded(fit.estimate)}, {interval(fit.low, fit.high)}, {p_value(fit.p)} "
         f"(odds {odds}; {method})."
     )
     if left_out:
@@ -160,12 +160,12 @@ def bias_sentence(contest: Contest, alpha: float) -> str:
     biased = count.p is not None and count.p < alpha
     places = contest.by_place
     return (
-        f"The clip shown first was chosen in {decimal(count.percent, 1)}% of answers, "
-        f"{interval(count.low, count.high, 1)}, χ²(1, N = {count.n}) = {decimal(count.chi2)}, "
+        f"The clip shown first was chosen in {rounded(count.percent, 1)}% of answers, "
+        f"{interval(count.low, count.high, 1)}, χ²(1, N = {count.n}) = {rounded(count.chi2)}, "
         f"{p_value(count.p)}: {'a' if biased else 'no significant'} bias of place. "
-        f"{sentence_case(contest.a)} was chosen in {decimal(places['first'].percent, 1)}% of the "
+        f"{sentence_case(contest.a)} was chosen in {rounded(places['first'].percent, 1)}% of the "
         f"{places['first'].n} trials that showed it first and in "
-        f"{decimal(places['second'].percent, 1)}% of the {places['second'].n} that showed it "
+        f"{rounded(places['second'].percent, 1)}% of the {places['second'].n} that showed it "
         "second."
     )
 
@@ -199,11 +199,11 @@ def _table(stem: str, contest: Contest, rows: list[tuple[str, PreferenceCount]])
             "Motion": [motion for motion, _ in rows],
             "n": [str(count.n) for _, count in rows],
             f"Chose {contest.a}": [str(count.prefer_a) for _, count in rows],
-            "%": [decimal(count.percent, 1) for _, count in rows],
+            "%": [rounded(count.percent, 1) for _, count in rows],
             "95% interval": [
-                f"{decimal(count.low, 1)} to {decimal(count.high, 1)}" for _, count in rows
+                f"{rounded(count.low, 1)} to {rounded(count.high, 1)}" for _, count in rows
             ],
-            "χ²(1)": [decimal(count.chi2) for _, count in rows],
+            "χ²(1)": [rounded(count.chi2) for _, count in rows],
             "p": [p_value(count.p).removeprefix("p ").removeprefix("= ") for _, count in rows],
             "exact p": [
                 p_value(count.binomial_p).removeprefix("p ").removeprefix("= ") for _, count in rows

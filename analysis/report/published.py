@@ -6,7 +6,7 @@ import pandas as pd
 
 from analysis.report.context import Context
 from analysis.report.parts import ReportTable, Section
-from analysis.report.words import decimal, p_value, signed
+from analysis.report.words import p_value, rounded, signed
 
 SOURCE = "Wang 2005"
 
@@ -83,9 +83,9 @@ def _preferences(comparisons: list[dict[str, Any]]) -> list[FigureRow]:
         rows.append(
             (
                 f"prefer {entry['a']} to {entry['b']}{where}",
-                f"{decimal(percent, 1)}%, χ²(1, N = {n}) = {chi2:g}",
-                f"{decimal(entry['percent'], 1)}%, χ²(1, N = {entry['n']}) = "
-                f"{decimal(entry['chi2'])}",
+                f"{rounded(percent, 1)}%, χ²(1, N = {n}) = {chi2:g}",
+                f"{rounded(entry['percent'], 1)}%, χ²(1, N = {entry['n']}) = "
+                f"{rounded(entry['chi2'])}",
             )
         )
     return rows
@@ -121,13 +121,13 @@ def _ratings(entries: list[dict[str, Any]]) -> list[FigureRow]:
         kind, value = RATINGS[key]
         theirs = {
             "p": lambda v: p_value(v),
-            "F": lambda v: f"F(1, 48) = {decimal(v)}",
-            "mean": lambda v: f"M = {decimal(v)}",
+            "F": lambda v: f"F(1, 48) = {rounded(v)}",
+            "mean": lambda v: f"M = {rounded(v)}",
         }[kind](value)
         ours = {
             "p": lambda e: p_value(e["p"]),
-            "F": lambda e: f"F({', '.join(map(str, e['df']))}) = {decimal(e['statistic'])}",
-            "mean": lambda e: f"M = {decimal(e['mean'])}",
+            "F": lambda e: f"F({', '.join(map(str, e['df']))}) = {rounded(e['statistic'])}",
+            "mean": lambda e: f"M = {rounded(e['mean'])}",
         }[kind](entry)
         rows.append((f"{entry['question']}: {entry['test']}", theirs, ours))
     return rows

@@ -17,7 +17,7 @@ from analysis.ratings import (
 from analysis.report.context import Context
 from analysis.report.draw import SERIES, canvas
 from analysis.report.parts import Figure, Findings, ReportTable, Section
-from analysis.report.words import decimal, interval, p_value, sentence_case, share
+from analysis.report.words import interval, p_value, rounded, sentence_case, share
 
 
 def report_rating(context: Context) -> Findings:
@@ -53,8 +53,8 @@ def apa(test: RatingTest) -> str:
     df = "" if test.df is None else f"({', '.join(map(str, test.df))})"
     digits = 0 if kind in "UV" and test.statistic == round(test.statistic or 0) else 2
     return (
-        f"{kind}{df} = {decimal(test.statistic, digits)}, {p_value(test.p)}, "
-        f"{EFFECTS[test.effect]} = {decimal(test.effect_size)}, {interval(test.low, test.high)}"
+        f"{kind}{df} = {rounded(test.statistic, digits)}, {p_value(test.p)}, "
+        f"{EFFECTS[test.effect]} = {rounded(test.effect_size)}, {interval(test.low, test.high)}"
     )
 
 
@@ -99,9 +99,9 @@ def _sentences(context: Context, question: Question, tests: list[RatingTest]) ->
             significant = test.p is not None and test.p < context.alpha
             higher = b if (test.effect_size or 0) > 0 else a
             told.append(
-                f"{sentence_case(question.name)} of {b} (M = {decimal(question.b.mean())}, "
-                f"SD = {decimal(_sd(question.b))}) and of {a} (M = {decimal(question.a.mean())}, "
-                f"SD = {decimal(_sd(question.a))})"
+                f"{sentence_case(question.name)} of {b} (M = {rounded(question.b.mean())}, "
+                f"SD = {rounded(_sd(question.b))}) and of {a} (M = {rounded(question.a.mean())}, "
+                f"SD = {rounded(_sd(question.a))})"
                 + (f", among people who saw {where}," if where else "")
                 + (
                     f" differed significantly, {higher} being rated higher"
@@ -139,9 +139,9 @@ def _means(stem: str, question: Question) -> ReportTable:
             "Method": data["method"],
             "Order": data["order"],
             "n": data["n"].map(str),
-            "Mean": data["mean"].map(decimal),
-            "SD": data["sd"].map(decimal),
-            "Median": data["median"].map(lambda v: decimal(v, 1)),
+            "Mean": data["mean"].map(rounded),
+            "SD": data["sd"].map(rounded),
+            "Median": data["median"].map(lambda v: rounded(v, 1)),
         }
     )
     return ReportTable(f"{stem}-means", f"Ratings of {question.name}.", data, shown)
@@ -153,11 +153,11 @@ def _table(name: str, tests: list[RatingTest]) -> ReportTable:
         {
             "Test": [test.test for test in tests],
             "Groups": [" / ".join(test.groups) for test in tests],
-            "Statistic": [decimal(test.statistic) for test in tests],
+            "Statistic": [rounded(test.statistic) for test in tests],
             "df": ["" if t.df is None else ", ".join(map(str, t.df)) for t in tests],
             "p": [p_value(test.p).removeprefix("p ").removeprefix("= ") for test in tests],
-            "Effect": [decimal(test.effect_size) for test in tests],
-            "95% interval": [f"{decimal(t.low)} to {decimal(t.high)}" for t in tests],
+            "Effect": [rounded(test.effect_size) for test in tests],
+            "95% interval": [f"{rounded(t.low)} to {rounded(t.high)}" for t in tests],
         }
     )
     return ReportTable(
@@ -198,17 +198,17 @@ def _comparison_section(
         {
             "Comparison": [test.question for test in tests],
             "n": [str(test.more["people"]) for test in tests],
-            "Mean": [decimal(test.more["mean"]) for test in tests],
-            "Std. dev.": [decimal(test.more["sd"]) for test in tests],
-            "V": [decimal(test.statistic, 1) for test in tests],
+            "Mean": [rounded(test.more["mean"]) for test in tests],
+            "Std. dev.": [rounded(test.more["sd"]) for test in tests],
+            "V": [rounded(test.statistic, 1) for test in tests],
             "p": [p_value(test.p).removeprefix("p ").removeprefix("= ") for test in tests],
-            "Effect": [decimal(test.effect_size) for test in tests],
-            "95% interval": [f"{decimal(t.low)} to {decimal(t.high)}" for t in tests],
+            "Effect": [rounded(test.effect_size) for test in tests],
+            "95% interval": [f"{rounded(t.low)} to {rounded(t.high)}" for t in tests],
         }
     )
     told = tuple(
-        f"{sentence_case(test.question)}: M = {decimal(test.more['mean'])}, "
-        f"SD = {decimal(test.more['sd'])} on a scale from 0 to 4, "
+        f"{sentence_case(test.question)}: M = {rounded(test.more['mean'])}, "
+        f"SD = {rounded(test.more['sd'])} on a scale from 0 to 4, "
         + (
             "which nobody left"
             if test.p is None

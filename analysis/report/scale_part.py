@@ -8,7 +8,7 @@ from analysis.bradley_terry import Strength
 from analysis.report.context import Context
 from analysis.report.draw import INK, LONGER, PALE, canvas, quiet_y, shorten
 from analysis.report.parts import Figure, ReportTable, Section
-from analysis.report.words import decimal, interval
+from analysis.report.words import interval, rounded
 
 TITLE = "A scale of the methods"
 
@@ -24,15 +24,15 @@ def scale_section(context: Context, strengths: list[Strength] | None) -> Section
     best, last = strengths[0], strengths[-1]
     told = (
         f"On the Bradley-Terry scale (log odds, mean 0) {best.method} stands highest at "
-        f"{decimal(best.strength)}, {interval(best.low, best.high)}, and {last.method} lowest at "
-        f"{decimal(last.strength)}, {interval(last.low, last.high)} (people resampled)."
+        f"{rounded(best.strength)}, {interval(best.low, best.high)}, and {last.method} lowest at "
+        f"{rounded(last.strength)}, {interval(last.low, last.high)} (people resampled)."
     )
     data = pd.DataFrame([asdict(entry) for entry in strengths])
     shown = pd.DataFrame(
         {
             "Method": data["method"],
-            "Strength": data["strength"].map(decimal),
-            "95% interval": [f"{decimal(s.low)} to {decimal(s.high)}" for s in strengths],
+            "Strength": data["strength"].map(rounded),
+            "95% interval": [f"{rounded(s.low)} to {rounded(s.high)}" for s in strengths],
         }
     )
     stem = f"{context.stem}-scale"

@@ -8,7 +8,7 @@ import pandas as pd
 from analysis.report.context import Context
 from analysis.report.draw import LONGER, canvas, plain_ticks
 from analysis.report.parts import Figure, ReportTable, Section
-from analysis.report.words import count, decimal, listing
+from analysis.report.words import count, listing, rounded
 
 MOST_LATE = 20  # late frames with a bar of their own
 LINEAR_UP_TO = 10  # trials; above, the axis is logarithmic
@@ -37,10 +37,10 @@ def people_section(context: Context) -> Section:
     if "age" in table:
         ages = pd.to_numeric(table["age"], errors="coerce").dropna()
         if len(ages):
-            spread = f", SD = {decimal(ages.std(), 1)}" if len(ages) > 1 else ""
+            spread = f", SD = {rounded(ages.std(), 1)}" if len(ages) > 1 else ""
             text.append(
                 f"Age was given by {len(ages)}: {ages.min():g} to {ages.max():g} years "
-                f"(M = {decimal(ages.mean(), 1)}{spread})."
+                f"(M = {rounded(ages.mean(), 1)}{spread})."
             )
     for column, words in (
         ("sex", "Sex"),
@@ -110,8 +110,8 @@ def timing_section(context: Context) -> Section:
     )
     if len(times):
         text.append(
-            f"The median answer came {decimal(times.median())} s after the last frame "
-            f"(middle half {decimal(times.quantile(0.25))} to {decimal(times.quantile(0.75))} s)."
+            f"The median answer came {rounded(times.median())} s after the last frame "
+            f"(middle half {rounded(times.quantile(0.25))} to {rounded(times.quantile(0.75))} s)."
         )
     if late.max() == 0:
         return Section("Frame timing", text=(" ".join(text),))
@@ -145,7 +145,7 @@ def _late_table(stem: str, trials: pd.DataFrame) -> ReportTable:
 
 def _whole(value: float) -> str:
     """A count; a dash where none was recorded."""
-    return decimal(value, 0)
+    return rounded(value, 0)
 
 
 def _late_figure(stem: str, late: pd.Series) -> Figure:

@@ -7,7 +7,7 @@ import pandas as pd
 from analysis.preferences import preference
 from analysis.report.context import Context
 from analysis.report.parts import ReportTable, Section
-from analysis.report.words import decimal, interval, p_value, share, signed
+from analysis.report.words import interval, p_value, rounded, share, signed
 from analysis.supplements import Difference, Shown, Supplement
 from analysis.thresholds import ALL
 
@@ -28,7 +28,7 @@ def beside_section(context: Context, found: list[Supplement]) -> Section:
         }
     )
     findings = tuple(
-        f"The Weber fraction d/k of {entry.side} blends is {decimal(abs(entry.weber_fraction))}."
+        f"The Weber fraction d/k of {entry.side} blends is {rounded(abs(entry.weber_fraction))}."
         for entry in found
         if entry.motion == ALL and entry.weber_fraction is not None
     )
@@ -55,7 +55,7 @@ def _rows(entry: Supplement) -> list[dict[str, Any]]:
         rows.append({**common, "method": "bias-reduced fit", **value})
     if entry.random_threshold:
         fit = entry.random_threshold
-        name = f"random threshold (SD {decimal(fit['sd'])})"
+        name = f"random threshold (SD {rounded(fit['sd'])})"
         rows.append({**common, "method": name, **_numbers(fit)})
     for told in entry.d_prime:
         name = f"d′ = 1, {told['rule']}"
@@ -91,7 +91,7 @@ def difference_section(
             "Between": [test.between for test in tests],
             "Side": [test.side for test in tests],
             "Groups": [", ".join(test.groups) for test in tests],
-            "χ²": [decimal(test.test.statistic) for test in tests],
+            "χ²": [rounded(test.test.statistic) for test in tests],
             "df": [str(test.test.df) for test in tests],
             "p": [p_value(test.test.p).removeprefix("p ").removeprefix("= ") for test in tests],
         }
@@ -112,7 +112,7 @@ def _difference(test: Difference, alpha: float) -> str:
     return (
         f"The psychometric functions{where} {'differ' if differ else 'do not differ'} "
         f"significantly between {test.between}, χ²({test.test.df}) = "
-        f"{decimal(test.test.statistic)}, {p_value(test.test.p)}."
+        f"{rounded(test.test.statistic)}, {p_value(test.test.p)}."
     )
 
 
@@ -136,12 +136,12 @@ def shown_section(context: Context, found: list[Shown]) -> Section:
             "Measure": data["measure"],
             "Side": data["side"],
             "Levels": data["levels"].map(str),
-            "Threshold": data["value"].map(lambda v: decimal(v, 4)),
+            "Threshold": data["value"].map(lambda v: rounded(v, 4)),
             "95% interval": [
-                f"{decimal(fit.threshold['low'], 4)} to {decimal(fit.threshold['high'], 4)}"
+                f"{rounded(fit.threshold['low'], 4)} to {rounded(fit.threshold['high'], 4)}"
                 for fit in found
             ],
-            "Gain": data["gain"].map(decimal),
+            "Gain": data["gain"].map(rounded),
         }
     )
     note = (
@@ -160,7 +160,7 @@ def answer_bias_section(trials: pd.DataFrame) -> Section:
         answer = pd.to_numeric(trials["response"], errors="coerce").dropna()
         first = preference(int((answer == 1).sum()), len(answer))
         told.append(
-            f"The first pair was named in {decimal(first.percent, 1)}% of {first.n} answers, "
+            f"The first pair was named in {rounded(first.percent, 1)}% of {first.n} answers, "
             f"{interval(first.low, first.high, 1)}, {p_value(first.p)}."
         )
     for column, words in (("odd_pair", "the odd pair came {}"), ("odd_position", "{} in its pair")):

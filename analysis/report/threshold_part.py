@@ -20,8 +20,8 @@ from analysis.report.track_part import track_section
 from analysis.report.words import (
     beyond,
     count,
-    decimal,
     p_value,
+    rounded,
     share,
     signed,
 )
@@ -85,9 +85,9 @@ def threshold_sentence(entry: Entry, number_of: int = 0) -> str:
         f"{words} the two pairs were told apart at a proportion of {share(threshold.at)} when the "
         f"blend differed by {signed(threshold.value)} frames, "
         f"95% CI [{', '.join(ends_in_words(threshold))}] ({fit.interval_method}); "
-        f"{fit.function} function, slope {decimal(fit.slope)}, lapse rate {share(fit.lapse, 3)}"
+        f"{fit.function} function, slope {rounded(fit.slope)}, lapse rate {share(fit.lapse, 3)}"
         f"{' (at its bound)' if fit.note else ''}, "
-        f"deviance {decimal(fit.deviance)}, simulated {p_value(fit.deviance_p)}."
+        f"deviance {rounded(fit.deviance)}, simulated {p_value(fit.deviance_p)}."
     )
 
 
@@ -168,7 +168,7 @@ def _shown(data: pd.DataFrame) -> pd.DataFrame:
             "At": data["at"].map(share),
             "Threshold": data["value"].map(signed),
             "95% interval": data["ends"],
-            "Slope": data["slope"].map(decimal),
+            "Slope": data["slope"].map(rounded),
             "Deviance p": data["deviance_p"].map(lambda p: share(p, 3)),
             "Most visited": data["stop_level"].map(signed),
             "Reversals": data["reversal_mean"].map(signed),

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
+from stimuli.compiled import worth_loading
 from stimuli.motion import quaternions as quat
-from stimuli.motion.compiled import worth_loading
 from stimuli.motion.formats.bvh_hierarchy import AXES, Hierarchy
 from stimuli.motion.formats.numbers import number_blocks, plain_blocks
 from stimuli.motion.formats.scan_state import (
