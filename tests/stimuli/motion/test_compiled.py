@@ -4,7 +4,7 @@ import numba
 import numpy as np
 import pytest
 
-from stimuli.motion import compiled
+from stimuli import compiled
 from stimuli.motion.formats.bvh_write import write_bvh
 from stimuli.motion.formats.numbers import parse_numbers
 
@@ -30,7 +30,7 @@ def test_a_loop_is_compiled_also_where_there_is_no_place_to_keep_it(monkeypatch,
         return known(**options)
 
     monkeypatch.setattr(numba, "njit", njit)
-    loop = compiled.kept(total)
+    loop = compiled.compiled(nogil=True)(total)
     assert loop(np.arange(5.0)) == 10.0
     assert asked == ([True] if keeps else [True, False])
 
