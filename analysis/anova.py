@@ -1,7 +1,7 @@
 """Two-way analyses of variance of ratings: method by order of presentation.
 
-`independent` takes every rating as independent, as the dissertation did (its F(1, 48)); `mixed`
-knows that each person rated both methods and was in one order only.
+`independent` takes every rating as independent, as the dissertation did (its F(1, 48));
+`split_plot` knows that each person rated both methods and was in one order only.
 """
 
 from dataclasses import dataclass
@@ -16,7 +16,8 @@ from analysis.psychometric.functions import Array
 
 @dataclass(frozen=True)
 class Effect:
-    """One F test, with partial η² and the interval of its noncentral F."""
+    """One F test, with partial η² and the interval of its noncentral F; nan where 0 is held
+    against 0, of ratings that do not differ at all."""
 
     name: str
     statistic: float
@@ -43,7 +44,7 @@ def independent(ratings: Array, method: Array, order: Array) -> list[Effect]:
     ]
 
 
-def mixed(a: Array, b: Array, order: Array) -> list[Effect]:
+def split_plot(a: Array, b: Array, order: Array) -> list[Effect]:
     """The same effects with method within people: ratings of both methods (P,), order (P,) ±1."""
     difference, mean = b - a, (a + b) / 2
     df = len(a) - 2
@@ -73,7 +74,10 @@ def _residual(design: Array, values: Array) -> float:
 
 
 def _effect(name: str, square: float, error: float, df: int) -> Effect:
-    statistic = square / error if error > 0 else float("inf") if square > 0 else 0.0
+    if error <= 0 and square <= 0:
+        none = float("nan")
+        return Effect(name, none, (1, df), none, none, none, none, float(square))
+    statistic = square / error if error > 0 else float("inf")
     p = float(f_distribution.sf(statistic, 1, df))
     size = statistic / (statistic + df) if np.isfinite(statistic) else 1.0
     low, high = eta_interval(statistic, 1, df)

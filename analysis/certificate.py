@@ -9,16 +9,17 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.special import ndtr, ndtri, stdtrit
+from scipy.special import chdtrc, ndtr, ndtri
 
-from analysis.mixed import mixed
+from analysis.mixed import MixedFit, mixed_logistic
 from analysis.preferences import contests
 from analysis.psychometric import PeopleCounts, fit, fit_batch, people_counts
 from analysis.psychometric.bootstrap import percentile_interval, resample_people
 from analysis.psychometric.profile import threshold_interval
 from analysis.psychometric.reduced import fit_reduced
+from analysis.psychometric.scoring import ROUGH
 from analysis.psychometric.verdict import judge
-from analysis.thresholds import Plan, prepared
+from analysis.thresholds import FitPlan, prepared
 from analysis.tracks import staircase_threshold, tracks
 
 SAMPLES = 400  # resamples of people for one simulated study's interval
@@ -38,7 +39,7 @@ class Estimate:
     stop_level: float | None
 
 
-def estimates(trials: pd.DataFrame, plan: Plan, seed: int) -> list[Estimate]:
+def estimates(trials: pd.DataFrame, plan: FitPlan, seed: int) -> list[Estimate]:
     """Both sides of a simulated odd-pair study, analysed as the report does."""
     table = prepared(trials[trials["correct"].notna()])
     found = []
@@ -64,14 +65,15 @@ def estimates(trials: pd.DataFrame, plan: Plan, seed: int) -> list[Estimate]:
 
 
 def _fitted(
-    data: PeopleCounts, plan: Plan, rng: np.random.Generator
+    data: PeopleCounts, plan: FitPlan, rng: np.random.Generator
 ) -> tuple[float, float, float, bool]:
     pooled, at = data.pooled(), plan.at[0]
     fits = fit(pooled, plan.what)
     correct, total = pooled.correct[None], pooled.total[None]
     verdict = int(judge(pooled.levels, fits, correct, total, at)[0][0])
     if len(data.people) > 1:
-        again = fit_batch(pooled.levels, *resample_people(data, SAMPLES, rng), plan.what)
+        drawn = resample_people(data, SAMPLES, rng)
+        again = fit_batch(pooled.levels, *drawn, plan.what, tolerance=ROUGH)
         low, high = percentile_interval(again.threshold(at))
     else:
         ends = threshold_interval(fits, correct, total, at)
@@ -122,35 +124,62 @@ def _spread(values: list[Any], true: float) -> dict[str, float | None]:
 
 def preference_finds(
     trials: pd.DataFrame, methods: tuple[str, ...], alpha: float
-) -> dict[str, bool]:
-    """Whether the pooled test and the mixed model each find a preference in a simulated study."""
-    contest = contests(trials, methods)[0]
-    count, table = contest.count, contest.choices
-    model = mixed(
-        table["participant"].to_numpy(), table["motion"].to_numpy(), table["chose_a"].to_numpy()
-    )
-    uniform = model.p is None and count.p is not None and count.p < alpha
-    return {
-        "chi2": count.p is not None and count.p < alpha,
-        "mixed_model": uniform or (model.p is not None and model.p < alpha),
-    }
+) -> dict[str, dict[str, bool]]:
+    """Whether the pooled test and the mixed model each find a preference in a simulated study.
 
-
-def preference_power(
-    share: float, people: int, motions: int, alpha: float, spread: float, rng: np.random.Generator,
-    sets: int = 400,
-) -> float:  # fmt: skip
-    """Power of a test of people's own shares for a preference `share`, people differing.
-
-    `spread` is the SD of people in log odds. The test is a t test of people's own shares about
-    one half: it respects that one person's answers are alike, and is fast enough to search.
+    By category as the report has them: `all` first, then each where there are several.
     """
-    odds = np.log(share / (1 - share)) + spread * rng.standard_normal((sets, people))
-    shares = rng.binomial(motions, 1 / (1 + np.exp(-odds))) / motions
-    mean, sd = shares.mean(1) - 0.5, shares.std(1, ddof=1)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        t = np.where(sd > 0, mean / (sd / np.sqrt(people)), np.inf * np.sign(mean))
-    return float((np.abs(t) > stdtrit(people - 1, 1 - alpha / 2)).mean())
+    found = {}
+    for contest in contests(trials, methods):
+        if (contest.a, contest.b) != tuple(methods[:2]):
+            continue
+        count, table = contest.count, contest.choices
+        model = mixed_logistic(
+            table["participant"].to_numpy(), table["motion"].to_numpy(), table["chose_a"].to_numpy()
+        )
+        pooled = count.p is not None and count.p < alpha
+        found[contest.category] = {"chi2": pooled, "mixed_model": _found(model, pooled, alpha)}
+    return found
+
+
+def _found(model: MixedFit, pooled: bool, alpha: float) -> bool:
+    """A model that answers too uniform do not allow leaves the pooled test."""
+    return pooled if model.p is None else model.p < alpha
+
+
+MODEL = "the mixed model of people and motions (t test of its log odds)"
+
+
+@dataclass(frozen=True)
+class PowerJob:
+    """What the power of one design is simulated for: people who each answer once to each motion.
+
+    `share` is the preference of the average person, `spread` the SD of people in log odds.
+    """
+
+    share: float
+    people: int
+    motions: int
+    alpha: float
+    spread: float
+    sets: int
+    seed: tuple[int, ...]
+
+
+def preference_power(job: PowerJob) -> float:
+    """Power of the mixed model, as the report fits it, to find a preference."""
+    rng = np.random.default_rng(job.seed)
+    who, which = (i.ravel() for i in np.indices((job.people, job.motions)))
+    odds = np.log(job.share / (1 - job.share))
+    odds = odds + job.spread * rng.standard_normal((job.sets, job.people))
+    p = 1 / (1 + np.exp(-odds))
+    found = 0
+    for shares in p:
+        chose = rng.random(len(who)) < shares[who]
+        model = mixed_logistic(who, which, chose)
+        n, k = len(chose), int(chose.sum())
+        found += _found(model, float(chdtrc(1, (2 * k - n) ** 2 / n)) < job.alpha, job.alpha)
+    return found / job.sets
 
 
 def difference_power(effect: float, sd: float, simulated: int, people: int, alpha: float) -> float:

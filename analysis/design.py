@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from analysis.naturalness import measures
+from analysis.naturalness import clip_measures
 from analysis.tracks import reversal_mean, stop_level, tracks
 
 POSITION_TOLERANCE = 0.02  # metres by which a clip may start or end elsewhere than its reference
@@ -82,7 +82,7 @@ def telltale(clips: list[dict[str, Any]]) -> list[str]:
     """
     told = []
     for clip in clips:
-        held = measures(clip)
+        held = clip_measures(clip)
         for name, verb in ENDS.items():
             if held.get(name, 0.0) > POSITION_TOLERANCE:
                 told.append(

@@ -27,7 +27,7 @@ class Labels:
 
 
 @dataclass(frozen=True, eq=False)
-class Curve:
+class ReceiverCurve:
     """A receiver operating curve: false alarms and hits by falling score, and its area."""
 
     score: str
@@ -55,7 +55,7 @@ def labels(trials: pd.DataFrame) -> Labels:
 
 def receiver_curve(
     name: str, scores: Array, answers: Labels, rng: np.random.Generator, samples: int = SAMPLES
-) -> Curve | None:
+) -> ReceiverCurve | None:
     """The curve of `scores` (C,), higher meaning less natural; None when one answer is absent.
 
     The area is the probability that an answer “unnatural” fell on a clip of higher score than an
@@ -75,7 +75,7 @@ def receiver_curve(
     draws = _resampled(unnatural, natural, above, rng, samples)
     low, high = percentile_interval(draws)
     area = float(u @ above @ n / (u.sum() * n.sum()))
-    return Curve(name, alarms, hits, area, low, high, int(u.sum() + n.sum()))
+    return ReceiverCurve(name, alarms, hits, area, low, high, int(u.sum() + n.sum()))
 
 
 def _resampled(
@@ -124,12 +124,12 @@ def agreement(answers: Labels) -> dict[str, Any]:
 
 def scores_of(clips: tuple[str, ...], stimuli: dict[str, dict[str, Any]]) -> dict[str, Array]:
     """Every number among the manifest's measures of the clips, by its dotted name: (C,)."""
-    flat = [measures(stimuli.get(clip, {})) for clip in clips]
+    flat = [clip_measures(stimuli.get(clip, {})) for clip in clips]
     names = sorted({name for entry in flat for name in entry})
     return {name: np.array([entry.get(name, np.nan) for entry in flat]) for name in names}
 
 
-def measures(entry: dict[str, Any]) -> dict[str, float]:
+def clip_measures(entry: dict[str, Any]) -> dict[str, float]:
     """The numbers among an entry's `measures`, tables within it flattened to dotted names."""
     found: dict[str, float] = {}
     waiting = [("", entry.get("measures"))]

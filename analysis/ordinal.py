@@ -30,6 +30,8 @@ def ordinal(ratings: Array, method: Array, order: Array, people: Array) -> Ordin
     """
     from statsmodels.miscmodels.ordinal_model import OrderedModel
 
+    if _alike(ratings, method, people):
+        return Ordinal(None, None, None, None, None, "nobody rated the two methods differently")
     if len(np.unique(ratings)) < 2:
         return Ordinal(None, None, None, None, None, "every rating is the same")
     columns = {"method": method / 2}
@@ -58,6 +60,13 @@ def ordinal(ratings: Array, method: Array, order: Array, people: Array) -> Ordin
         float(z),
         float(2 * ndtr(-abs(z))),
     )
+
+
+def _alike(ratings: Array, method: Array, people: Array) -> bool:
+    """Whether each person gave both methods the same rating."""
+    order = np.lexsort((method, people))
+    pairs = ratings[order].reshape(-1, 2)
+    return bool(np.allclose(pairs[:, 0], pairs[:, 1], rtol=0, atol=1e-9))
 
 
 def _sandwich(bread: Array, scores: Array, people: Array) -> Array:

@@ -1,9 +1,11 @@
 """Rank tests with their exact distributions, ties included.
 
 Signed-rank: zero differences are left out (Wilcoxon 1945), tied ones share their mean rank.
-Rank-sum: tied values share their mean rank. Up to EXACT_UP_TO observations the p value is exact,
-from the permutation distribution of the very ranks observed (so ties cost nothing); beyond it
-the normal approximation with the tie correction and without continuity correction is used.
+Rank-sum: tied values share their mean rank. Values that differ by rounding alone are tied: means of
+ratings that are equal in arithmetic differ in their last bit. Up to EXACT_UP_TO observations the
+p value is exact, from the permutation distribution of the very ranks observed (so ties cost
+nothing); beyond it the normal approximation with the tie correction and without continuity
+correction is used.
 """
 
 from dataclasses import dataclass
@@ -16,15 +18,19 @@ from scipy.stats import rankdata
 from analysis.psychometric.functions import Array
 
 EXACT_UP_TO = 60
+ROUNDING = 1e-9  # of the largest value: what differs by less differs by rounding alone
 
 
 @dataclass(frozen=True)
 class RankTest:
-    """A rank test: V or U, its two-sided p, the rank-biserial correlation, and how it was got."""
+    """A rank test: V or U, its two-sided p, the rank-biserial correlation, and how it was got.
 
-    statistic: float
-    p: float
-    effect_size: float
+    The numbers are None where there is nothing to rank: no difference but 0, or an empty group.
+    """
+
+    statistic: float | None
+    p: float | None
+    effect_size: float | None
     n: int
     zeros: int
     ties: bool
@@ -33,6 +39,12 @@ class RankTest:
     @property
     def how(self) -> str:
         """The treatment in words."""
+        if self.p is None:
+            return (
+                f"no test: no difference but 0 in {self.zeros}"
+                if self.zeros
+                else "no test: a group without ratings"
+            )
         parts = ["exact" if self.exact else "normal approximation, ties corrected"]
         if self.ties:
             parts.append("mean ranks for ties")
@@ -45,11 +57,11 @@ class RankTest:
 
 def signed_rank(differences: ArrayLike) -> RankTest:
     """Wilcoxon's signed-rank test of differences about 0; V is the sum of the positive ranks."""
-    d = np.asarray(differences, float)
+    d = snapped(np.asarray(differences, float))
     kept = d[d != 0]
     n = len(kept)
     if n == 0:
-        return RankTest(0.0, 1.0, 0.0, 0, len(d), False, True)
+        return RankTest(None, None, None, 0, len(d), False, True)
     ranks = rankdata(np.abs(kept))
     v = float(ranks[kept > 0].sum())
     whole = float(ranks.sum())
@@ -66,8 +78,9 @@ def rank_sum(first: ArrayLike, second: ArrayLike) -> RankTest:
     """Wilcoxon's rank-sum test; U counts the pairs in which the first group is higher."""
     x, y = np.asarray(first, float), np.asarray(second, float)
     n, m = len(x), len(y)
+    x, y = np.split(snapped(np.concatenate([x, y])), [n])
     if n == 0 or m == 0:
-        return RankTest(0.0, 1.0, 0.0, n + m, 0, False, True)
+        return RankTest(None, None, None, n + m, 0, False, True)
     ranks = rankdata(np.concatenate([x, y]))
     w = float(ranks[:n].sum())
     u = w - n * (n + 1) / 2
@@ -79,6 +92,19 @@ def rank_sum(first: ArrayLike, second: ArrayLike) -> RankTest:
         p = _normal(u - n * m / 2, variance)
     ties = len(np.unique(ranks)) < n + m
     return RankTest(u, p, 2 * u / (n * m) - 1, n + m, 0, ties, exact)
+
+
+def snapped(values: Array) -> Array:
+    """Values of any shape, those that differ by rounding alone made equal, 0 among them."""
+    largest = np.abs(values).max(initial=0.0)
+    if largest == 0:
+        return values
+    grain = largest * ROUNDING
+    sizes = np.abs(values)
+    ordered = np.unique(np.append(0.0, sizes))
+    first = np.append(True, np.diff(ordered) > grain)
+    shared = ordered[first][np.cumsum(first) - 1]
+    return np.sign(values) * shared[np.searchsorted(ordered, sizes)]
 
 
 def _subset_sums(ranks: Array, size: int | None) -> Array:
@@ -113,6 +139,7 @@ def _normal(deviation: float, variance: float) -> float:
 
 def biserial_signed(differences: Array) -> Array:
     """Matched-pairs rank-biserial correlation of each row of differences (B, N)."""
+    differences = snapped(differences)
     ranks = rankdata(np.where(differences == 0, 0.0, np.abs(differences)), axis=1)
     ranks = ranks - (differences == 0).sum(1, keepdims=True)  # zeros hold the lowest ranks
     whole = np.where(differences == 0, 0.0, ranks).sum(1)
@@ -122,4 +149,6 @@ def biserial_signed(differences: Array) -> Array:
 
 def biserial_sum(first: Array, second: Array) -> Array:
     """Rank-biserial correlation of rows (B, N) against rows (B, M): P(x > y) − P(x < y)."""
+    both = snapped(np.concatenate([first, second], 1))
+    first, second = np.split(both, [first.shape[1]], axis=1)
     return np.sign(first[:, :, None] - second[:, None, :]).mean((1, 2))

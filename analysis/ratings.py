@@ -153,8 +153,15 @@ def method_tests(question: Question, grouped: bool, rng: np.random.Generator) ->
 
 
 def _ranked(
-    question: str, name: str, groups: tuple[str, ...], test: RankTest, low: float, high: float
+    question: str,
+    name: str,
+    groups: tuple[str, ...],
+    test: RankTest,
+    low: float | None,
+    high: float | None,
 ) -> RatingTest:
+    if test.p is None:  # nothing to rank: an interval would claim certainty
+        low = high = None
     return RatingTest(
         question, name, groups, test.statistic, None, test.p, test.effect_size, low, high,
         "rank-biserial correlation", test.how, {"n": test.n, "exact": test.exact},
@@ -184,9 +191,10 @@ def analyses_of_variance(question: Question) -> list[RatingTest]:
     tests = []
     for name, effects in (
         ("ANOVA, ratings independent", anova.independent(stacked, method, np.tile(order, 2))),
-        ("ANOVA, mixed design", anova.mixed(question.a, question.b, order)),
+        ("ANOVA, mixed design", anova.split_plot(question.a, question.b, order)),
     ):
         for effect in effects:
+            known = np.isfinite(effect.p)
             groups = {
                 "method": question.methods,
                 "order": tuple(question.order_names),
@@ -196,14 +204,14 @@ def analyses_of_variance(question: Question) -> list[RatingTest]:
                     question.name,
                     f"{name}: {effect.name}",
                     groups,
-                    effect.statistic,
+                    effect.statistic if known else None,
                     effect.df,
-                    effect.p,
-                    effect.effect_size,
-                    effect.low,
-                    effect.high,
+                    effect.p if known else None,
+                    effect.effect_size if known else None,
+                    effect.low if known else None,
+                    effect.high if known else None,
                     "partial η²",
-                    "",
+                    "" if known else "no test: the ratings do not differ",
                     {"mean_square": effect.mean_square},
                 )
             )

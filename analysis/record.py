@@ -1,12 +1,9 @@
 """Reading records: data sets of sessions, gathered into studies.
 
 A session is one `*_beh.tsv` table with its sidecar; a study is the sessions of one protocol.
-Reading is lenient: a missing sidecar, missing columns and malformed rows are named in `faults`,
-and everything else is kept.
+Runs and people that are copies of others are counted once.
 """
 
-import csv
-import json
 import re
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -14,44 +11,13 @@ from typing import Any
 
 import pandas as pd
 
-from analysis.errors import InputError
-from analysis.rows import TASKS, parse, task_of
+from analysis.consistency import line_ranges
+from analysis.delimited import decoded
+from analysis.errors import InputError, NothingAnalysed
+from analysis.repeats import copies, doubtful_names, units_of
+from analysis.sessions import Session, lines_of, read_object, read_session, table_of
 
-_ENTITIES = re.compile(r"sub-(?P<sub>[^_]+)(?:_task-(?P<task>[^_]+))?(?:_run-(?P<run>[^_]+))?")
 _TABLES = ("*_beh.tsv", "*_beh.csv")
-
-
-@dataclass(frozen=True, eq=False)
-class Session:
-    """One table: its rows typed, its sidecar, and what was wrong with it."""
-
-    participant: str
-    run: str
-    path: Path
-    task: str
-    name: str  # the protocol's name, or the task label of the file
-    sidecar: dict[str, Any]
-    trials: pd.DataFrame
-    faults: tuple[str, ...] = ()
-
-    @property
-    def protocol(self) -> dict[str, Any]:
-        found = self.sidecar.get("Protocol")
-        return found if isinstance(found, dict) else {}
-
-    @property
-    def kept_apart(self) -> str | None:
-        """Why the session is never pooled: it is a "rehearsal", or it was "paced"; else None."""
-        if self.sidecar.get("Rehearsal"):
-            return "rehearsal"
-        pace = self.sidecar.get("Pace", 1.0)
-        return "paced" if isinstance(pace, int | float) and float(pace) != 1.0 else None
-
-    @property
-    def windowless(self) -> bool:
-        """Whether the session ran without a window: no frame of it was ever shown."""
-        display = self.sidecar.get("Display")
-        return isinstance(display, dict) and display.get("kind") == "none"
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,6 +32,7 @@ class Study:
     rehearsal: bool = False
     set_aside: tuple[Session, ...] = ()
     stimuli: dict[str, dict[str, Any]] = field(default_factory=dict)  # manifest entries by hash
+    doubts: tuple[str, ...] = ()
 
     @property
     def trials(self) -> pd.DataFrame:
@@ -87,11 +54,22 @@ class Study:
     def faults(self) -> tuple[str, ...]:
         return tuple(fault for session in self.sessions for fault in session.faults)
 
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What repeats or contradicts itself in the records, and what was done about it."""
+        return (*(told for session in self.sessions for told in session.remarks), *self.doubts)
 
-def read(paths: list[Path]) -> tuple[list[Study], list[str]]:
+    @property
+    def people(self) -> tuple[str, ...]:
+        """Everyone recorded, also those of whom no row is left."""
+        return tuple(sorted({person for session in self.sessions for person in session.people}))
+
+
+def read(paths: list[Path], columns: dict[str, str] | None = None) -> tuple[list[Study], list[str]]:
     """All studies below `paths` (data sets, folders or tables), and what could not be read.
 
-    Raises InputError when a path is absent or no table is found at all.
+    `columns` gives the tables' own names for columns of ours. Raises InputError when a path is
+    absent or no table is found at all, NothingAnalysed when none has the columns of a record.
     """
     sessions: list[Session] = []
     notes: list[str] = []
@@ -101,24 +79,68 @@ def read(paths: list[Path]) -> tuple[list[Study], list[str]]:
         if not path.exists():
             raise InputError(f"{path}: expected a data set or a table, found nothing there")
         for table in _tables(path):
-            found = _session(table)
+            found = read_session(table, columns or {})
             if isinstance(found, str):
                 notes.append(found)
             else:
                 sessions.append(found)
         people.append(_participants(path))
         stimuli |= _stimuli(path)
+    if not sessions and notes:
+        raise NothingAnalysed(notes[0] + (f" (and {len(notes) - 1} more)" if notes[1:] else ""))
     if not sessions:
-        more = "\n" + notes[0] if notes else ""
         raise InputError(
             f"{', '.join(str(path) for path in paths)}: expected session tables "
-            f"sub-*/beh/*_beh.tsv, found none that can be read{more}"
+            f"sub-*/beh/*_beh.tsv, found none that can be read"
         )
     register = pd.concat(people, ignore_index=True)
-    studies = _studies(_told_apart(sessions))
+    studies = _studies(_told_apart(_uncopied(sessions)))
     return [
-        replace(study, participants=_present(register, study), stimuli=stimuli) for study in studies
+        replace(
+            study,
+            participants=_present(register, study),
+            stimuli=stimuli,
+            doubts=tuple(doubtful_names(study.trials, _place(study))),
+        )
+        for study in studies
     ], notes
+
+
+def _place(study: Study) -> str:
+    """Where the records of a study lie: its one table, or its name."""
+    return str(study.sessions[0].path) if len(study.sessions) == 1 else study.name
+
+
+def _uncopied(sessions: list[Session]) -> list[Session]:
+    """The sessions without runs and people that are copies of others of the same study."""
+    kinds: dict[tuple[str, str, str | None], list[int]] = {}
+    for number, session in enumerate(sessions):
+        key = (_plain(session.name), session.task, session.kept_apart)
+        kinds.setdefault(key, []).append(number)
+    kept: list[Session | None] = list(sessions)
+    for members in kinds.values():
+        units = [
+            unit
+            for number in members
+            for unit in units_of(
+                number, str(sessions[number].path), sessions[number].participant,
+                sessions[number].trials,
+            )
+        ]  # fmt: skip
+        for copy, original in copies(units):
+            told = (
+                f"{copy.where}: {copy.person}, {line_ranges(copy.rows.index)} "
+                f"({len(copy.rows)}): a copy of {original.person} in {original.where}, "
+                f"{line_ranges(original.rows.index)}; counted once"
+            )
+            held, first = kept[copy.table], kept[original.table]
+            if first is not None:
+                kept[original.table] = replace(first, remarks=(*first.remarks, told))
+            if held is not None:
+                held = kept[copy.table] or held
+                rest = held.trials.drop(index=copy.rows.index)
+                kept[copy.table] = replace(held, trials=rest) if len(rest) else None
+    return [session for session in kept if session is not None]
 
 
 def _tables(path: Path) -> list[Path]:
@@ -129,6 +151,7 @@ def _tables(path: Path) -> list[Path]:
         for kind in _TABLES
         for table in path.rglob(kind)
         if not {"derivatives", "sourcedata"} & set(table.relative_to(path).parts)
+        and not table.name.startswith(".")  # what macOS leaves beside a file: ._NAME
     )
     if found:
         return found
@@ -136,87 +159,8 @@ def _tables(path: Path) -> list[Path]:
         table
         for kind in ("*.tsv", "*.csv")
         for table in path.glob(kind)
-        if table.name != "participants.tsv"
+        if table.name != "participants.tsv" and not table.name.startswith(".")
     )
-
-
-def _session(path: Path) -> Session | str:
-    """The session in a table, or why it is none."""
-    try:
-        text = path.read_text(encoding="utf-8-sig", errors="replace")
-    except OSError as error:
-        return f"{path}: cannot be read ({error.strerror}); it is left out"
-    table, ragged = _table(_lines(text), "," if path.suffix == ".csv" else "\t", path)
-    sidecar, complaint = _sidecar(path.with_suffix(".json"))
-    protocol = sidecar.get("Protocol")
-    protocol = protocol if isinstance(protocol, dict) else {}
-    task = protocol.get("task") or task_of(list(table.columns))
-    if task not in TASKS or task_of(list(table.columns)) is None:
-        return f"{path}: expected the columns of a record, found {', '.join(table.columns)[:200]}"
-    trials, faults = parse(str(task), table, str(path))
-    match = _ENTITIES.search(path.stem)
-    participant = match["sub"] if match else path.stem.removesuffix("_beh")
-    label = match["task"] if match and match["task"] else path.stem
-    if match is None and "protocol" in trials:
-        label = str(trials["protocol"].iloc[0]) if len(trials) else label
-    return Session(
-        participant=participant,
-        run=(match["run"] if match else None) or "1",
-        path=path,
-        task=str(task),
-        name=str(protocol.get("name") or sidecar.get("TaskName") or label),
-        sidecar=sidecar,
-        trials=trials,
-        faults=(*complaint, *ragged, *faults),
-    )
-
-
-def _table(rows: list[str], delimiter: str, path: Path) -> tuple[pd.DataFrame, list[str]]:
-    """The cells as text, indexed by line number; lines of another width are left out."""
-    lines = [_cells(row, delimiter) for row in rows]
-    if not lines or not lines[0]:
-        return pd.DataFrame(), [f"{path}: expected a header, found an empty file"]
-    header, faults, kept, numbers = lines[0], [], [], []
-    for number, cells in enumerate(lines[1:], start=2):
-        if len(cells) == len(header):
-            kept.append(cells)
-            numbers.append(number)
-        elif cells:
-            faults.append(
-                f"{path}:{number}: expected {len(header)} cells, found {len(cells)}; "
-                "the row is left out"
-            )
-    table = pd.DataFrame(kept, index=numbers, columns=header, dtype=object)
-    twice = table.columns.duplicated()
-    if twice.any():
-        names = ", ".join(sorted(set(table.columns[twice])))
-        faults.append(f"{path}: expected each column once, found {names} again; the first is read")
-    return table.loc[:, ~twice], faults
-
-
-def _cells(row: str, delimiter: str) -> list[str]:
-    """The cells of one line: read line by line, a stray quotation mark spoils one row only."""
-    try:
-        return next(csv.reader([row], delimiter=delimiter), [])
-    except csv.Error:
-        return [row]
-
-
-def _lines(text: str) -> list[str]:
-    """Lines ended by \\n or \\r\\n alone: a comment may hold other separators."""
-    return [line.removesuffix("\r") for line in text.removesuffix("\n").split("\n")]
-
-
-def _sidecar(path: Path) -> tuple[dict[str, Any], list[str]]:
-    try:
-        found = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        return {}, []
-    except (OSError, ValueError) as error:
-        return {}, [f"{path}: not readable as JSON ({error}); the table is read without it"]
-    if not isinstance(found, dict):
-        return {}, [f"{path}: expected a JSON object; the table is read without it"]
-    return found, []
 
 
 def _participants(path: Path) -> pd.DataFrame:
@@ -224,7 +168,7 @@ def _participants(path: Path) -> pd.DataFrame:
     file = path / "participants.tsv"
     if not file.is_file():
         return pd.DataFrame(columns=["participant_id", "home"])
-    table, _ = _table(_lines(file.read_text(encoding="utf-8", errors="replace")), "\t", file)
+    table, _ = table_of(lines_of(decoded(file.read_bytes(), errors="replace")), "\t", file)
     return table.reset_index(drop=True).assign(home=str(path.resolve()))
 
 
@@ -232,7 +176,7 @@ def _stimuli(path: Path) -> dict[str, dict[str, Any]]:
     """The manifest entries of the clips shown, copied beside the record, by hash."""
     found = {}
     for file in sorted((path / "stimuli").glob("*.json")) if path.is_dir() else []:
-        entry, faults = _sidecar(file)
+        entry, faults = read_object(file)
         if not faults:
             found[file.stem] = entry
     return found
@@ -255,11 +199,16 @@ def _told_apart(sessions: list[Session]) -> list[Session]:
             _home(session.path)
         )
     return [
-        replace(session, participant=f"{session.participant}@{_home(session.path).name}")
+        _renamed(session, f"{session.participant}@{_home(session.path).name}")
         if len(homes[_plain(session.name), session.participant]) > 1
         else session
         for session in sessions
     ]
+
+
+def _renamed(session: Session, name: str) -> Session:
+    people = tuple(name if who == session.participant else who for who in session.people)
+    return replace(session, participant=name, people=people)
 
 
 def _plain(name: str) -> str:

@@ -31,6 +31,12 @@ class Screened:
     catch: pd.DataFrame
     practice: int
     exclusions: tuple[Exclusion, ...]
+    left_out: tuple[tuple[str, str], ...] = ()  # people of whom no trial counts, each with why
+
+    @property
+    def people(self) -> tuple[str, ...]:
+        """Everyone whose answers are analysed."""
+        return tuple(sorted(set(self.main["participant"].astype(str)))) if len(self.main) else ()
 
     @property
     def excluded(self) -> int:
@@ -45,7 +51,7 @@ ANSWER = {
 }
 
 # A rule says which rows of the main trials go, from those trials, the catch trials and the limit.
-Rule = Callable[[pd.DataFrame, pd.DataFrame, float, str], pd.Series]
+ScreeningRule = Callable[[pd.DataFrame, pd.DataFrame, float, str], pd.Series]
 
 
 def _of_people(table: pd.DataFrame, people: pd.Index) -> pd.Series:
@@ -60,7 +66,10 @@ def _catch_below(main: pd.DataFrame, catch: pd.DataFrame, limit: float, answer: 
 
 
 def _missing_above(main: pd.DataFrame, catch: pd.DataFrame, limit: float, answer: str) -> pd.Series:
-    missing = main[answer].isna().groupby(main["participant"]).mean()
+    open_rows = main[answer].isna()
+    if "tie" in main:
+        open_rows &= ~main["tie"].astype(bool)
+    missing = open_rows.groupby(main["participant"]).mean()
     return _of_people(main, missing.index[missing > limit])
 
 
@@ -70,7 +79,7 @@ def _time(main: pd.DataFrame) -> pd.Series:
     return main["response_time"].astype(float)
 
 
-RULES: dict[str, tuple[str, Rule]] = {
+_SCREENING: dict[str, tuple[str, ScreeningRule]] = {
     "exclude_catch_below": ("people with fewer than {:.0%} of catch trials right", _catch_below),
     "exclude_missing_above": ("people with more than {:.0%} of trials unanswered", _missing_above),
     "exclude_faster_than": (
@@ -90,13 +99,13 @@ RULES: dict[str, tuple[str, Rule]] = {
 }
 
 
-def stated_rules(protocol: dict[str, Any]) -> list[tuple[str, str, Rule, float]]:
+def stated_rules(protocol: dict[str, Any]) -> list[tuple[str, str, ScreeningRule, float]]:
     """The protocol's own rules: key, words, rule and limit; a limit must be a number."""
     settings = protocol.get("analysis")
     settings = settings if isinstance(settings, dict) else {}
     return [
         (key, words.format(settings[key]), rule, float(settings[key]))
-        for key, (words, rule) in RULES.items()
+        for key, (words, rule) in _SCREENING.items()
         if isinstance(settings.get(key), int | float)
     ]
 
@@ -118,6 +127,29 @@ def screen(study: Study) -> Screened:
         exclusions.append(Exclusion(words, tuple(sorted(map(str, gone))), int(out.sum())))
         main = main[~out]
     open_rows = main[answer].isna()
+    if "tie" in main:  # an answer, although it names neither method
+        open_rows &= ~main["tie"].astype(bool)
     # A comparison question has no method, but its rating is as good as any.
     exclusions.append(Exclusion("trials without an answer", (), int(open_rows.sum())))
-    return Screened(main[~open_rows], catch, int((phase == "practice").sum()), tuple(exclusions))
+    kept = main[~open_rows]
+    reasons = _reasons(study, set(kept["participant"].astype(str)), exclusions)
+    practice = int((phase == "practice").sum())
+    return Screened(kept, catch, practice, tuple(exclusions), reasons)
+
+
+def _reasons(
+    study: Study, kept: set[str], exclusions: list[Exclusion]
+) -> tuple[tuple[str, str], ...]:
+    """Why each person who was recorded is not among those analysed: the first rule that says so."""
+    recorded = set(study.people) | set(study.trials["participant"].astype(str))
+    told = []
+    for person in sorted(recorded - kept):
+        rules = [rule.rule for rule in exclusions if person in rule.participants]
+        told.append((person, rules[0] if rules else _otherwise(study, person)))
+    return tuple(told)
+
+
+def _otherwise(study: Study, person: str) -> str:
+    if person not in set(study.trials["participant"].astype(str)):
+        return "no row of theirs can be used, as told below"
+    return "no trial of theirs counts: practice, void or unanswered"

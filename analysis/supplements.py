@@ -6,20 +6,21 @@ and specifications share one function.
 """
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from analysis.naturalness import measures
+from analysis.naturalness import clip_measures
 from analysis.psychometric import Counts, Setting, counts, fit, people_counts, summarise
 from analysis.psychometric.compare import Comparison, same_function
-from analysis.psychometric.dprime import RULES, proportion_of
+from analysis.psychometric.dprime import DECISION_RULES, proportion_of
 from analysis.psychometric.opinion import Opinion, second_opinion
 from analysis.psychometric.random import RandomThreshold, fit_random_threshold
 from analysis.psychometric.reduced import fit_reduced
-from analysis.thresholds import ALL, Entry, Plan
+from analysis.psychometric.summary import Threshold, threshold_dict
+from analysis.thresholds import ALL, Entry, FitPlan
 
 UNIT_D_PRIME = 1.0
 RELATIVE = "_from_reference"
@@ -35,23 +36,21 @@ class Supplement:
     motion: str
     weber_fraction: float | None
     bias_reduced: dict[str, float] | None
-    random_threshold: RandomThreshold | None
-    second_opinion: Opinion | None
+    random_threshold: dict[str, Any] | None
+    second_opinion: dict[str, Any] | None
     d_prime: tuple[dict[str, Any], ...]
 
     def as_dict(self) -> dict[str, Any]:
         return {
             "weber_fraction": self.weber_fraction,
             "bias_reduced": self.bias_reduced,
-            "random_threshold": None
-            if self.random_threshold is None
-            else asdict(self.random_threshold),
-            "second_opinion": None if self.second_opinion is None else asdict(self.second_opinion),
+            "random_threshold": self.random_threshold,
+            "second_opinion": self.second_opinion,
             "d_prime": list(self.d_prime),
         }
 
 
-def supplement(entry: Entry, trials: pd.DataFrame, plan: Plan, opinion: bool) -> Supplement:
+def supplement(entry: Entry, trials: pd.DataFrame, plan: FitPlan, opinion: bool) -> Supplement:
     """The other fits of a pooled entry; nothing is fitted where the verdict denies a threshold."""
     at, sign = plan.at[0], entry.sign
     ok = entry.summary.verdict == "ok"
@@ -69,8 +68,8 @@ def supplement(entry: Entry, trials: pd.DataFrame, plan: Plan, opinion: bool) ->
         bias_reduced=None
         if reduced is None
         else {"value": sign * reduced.threshold(at), "slope": reduced.slope},
-        random_threshold=None if found is None else _signed_random(found, sign),
-        second_opinion=None if told is None else _signed_opinion(told, sign),
+        random_threshold=None if found is None else _within(entry, found),
+        second_opinion=None if told is None else _within(entry, told),
         d_prime=_in_d_prime(entry, plan) if whole else (),
     )
 
@@ -90,35 +89,26 @@ def _reference(trials: pd.DataFrame, entry: Entry) -> float | None:
     return mean if np.isfinite(mean) and mean > 0 else None
 
 
-def _signed_random(found: RandomThreshold, sign: float) -> RandomThreshold:
-    low, high = sorted((sign * found.low, sign * found.high))
-    return replace(found, value=sign * found.value, low=low, high=high)
+def _within(entry: Entry, found: RandomThreshold | Opinion) -> dict[str, Any]:
+    """Another fit's numbers, signed like the entry, ends beyond the levels shown as reasons."""
+    plain = entry.summary.thresholds[0]
+    own = Threshold(plain.at, found.value, found.low, found.high, plain.least, plain.most)
+    told = threshold_dict(own if entry.sign > 0 else own.signed_down, "ok", signed=True)
+    return asdict(found) | {name: held for name, held in told.items() if name != "at"}
 
 
-def _signed_opinion(told: Opinion, sign: float) -> Opinion:
-    low, high = sorted((sign * told.low, sign * told.high))
-    return replace(told, value=sign * told.value, low=low, high=high)
-
-
-def _in_d_prime(entry: Entry, plan: Plan) -> tuple[dict[str, Any], ...]:
+def _in_d_prime(entry: Entry, plan: FitPlan) -> tuple[dict[str, Any], ...]:
     """Thresholds at d′ = 1 under each decision rule, with profile intervals."""
-    ats = tuple(proportion_of(UNIT_D_PRIME, rule) for rule in RULES)
+    ats = tuple(proportion_of(UNIT_D_PRIME, rule) for rule in DECISION_RULES)
     fitted = summarise(entry.counts, plan.what, ats, samples=0)
     rows = []
-    for rule, threshold, verdict in zip(RULES, fitted.thresholds, fitted.verdicts, strict=True):
-        numbers = sorted((entry.sign * threshold.low, entry.sign * threshold.high))
-        known = verdict == "ok"
-        rows.append(
-            {
-                "rule": rule,
-                "d_prime": UNIT_D_PRIME,
-                "at": threshold.at,
-                "value": entry.sign * threshold.value if known else None,
-                "low": numbers[0] if known else None,
-                "high": numbers[1] if known else None,
-                "verdict": verdict,
-            }
+    for rule, threshold, verdict in zip(
+        DECISION_RULES, fitted.thresholds, fitted.verdicts, strict=True
+    ):
+        told = threshold_dict(
+            threshold if entry.sign > 0 else threshold.signed_down, verdict, signed=True
         )
+        rows.append({"rule": rule, "d_prime": UNIT_D_PRIME, **told, "verdict": verdict})
     return tuple(rows)
 
 
@@ -190,12 +180,12 @@ class Shown:
 
 
 def against_shown(
-    trials: pd.DataFrame, stimuli: Mapping[str, dict[str, Any]], plan: Plan
+    trials: pd.DataFrame, stimuli: Mapping[str, dict[str, Any]], plan: FitPlan
 ) -> list[Shown]:
     """Fits of each side against |measure of the odd clip − measure of the reference|."""
     if not {"clip_a", "clip_b"} <= set(trials):
         return []
-    known = {clip: measures(entry) for clip, entry in stimuli.items()}
+    known = {clip: clip_measures(entry) for clip, entry in stimuli.items()}
     names = sorted({name for entry in known.values() for name in entry})
     found = []
     for name in names:
@@ -217,7 +207,7 @@ def against_shown(
 
 
 def _fit_shown(
-    part: pd.DataFrame, level: pd.Series, plan: Plan
+    part: pd.DataFrame, level: pd.Series, plan: FitPlan
 ) -> tuple[dict[str, float | None], str, float]:
     data = people_counts(part["participant"], level, part["correct"]).pooled()
     summary = summarise(data, plan.what, plan.at[:1], samples=0)

@@ -21,8 +21,9 @@ from analysis.psychometric import (
     summarise,
     summarise_each,
 )
+from analysis.psychometric.fit import LAPSE_BOUND
 from analysis.psychometric.summary import threshold_dict
-from analysis.tracks import Track, staircase_threshold, tracks
+from analysis.tracks import AnsweredTrack, staircase_threshold, tracks
 
 ALL = "all"
 PERSON_SAMPLES = 200  # simulated deviances for one person's fit, of which there are many
@@ -30,7 +31,7 @@ GUESS = 0.5  # two pairs to choose from
 
 
 @dataclass(frozen=True)
-class Plan:
+class FitPlan:
     """How an odd-pair study is fitted, from the protocol's table [analysis]."""
 
     what: Setting
@@ -39,16 +40,19 @@ class Plan:
     seed: int = 0
 
 
-def plan_of(protocol: dict[str, Any], seed: int = 0) -> Plan:
+def fit_plan_of(protocol: dict[str, Any], seed: int = 0) -> FitPlan:
     """The plan stated in a protocol; .75 (or the highest proportion named) leads."""
     stated = protocol.get("analysis")
     stated = stated if isinstance(stated, dict) else {}
     at = stated.get("at", (0.70, 0.75))
     named = [float(p) for p in (at if isinstance(at, list | tuple) else [at])]
     lapse = stated.get("lapse", "free")
-    return Plan(
+    return FitPlan(
         what=setting(
-            str(stated.get("function", "logistic")), GUESS, None if lapse == "free" else lapse
+            str(stated.get("function", "logistic")),
+            GUESS,
+            None if lapse == "free" else lapse,
+            float(stated.get("lapse_bound", LAPSE_BOUND)),
         ),
         at=tuple(sorted(named, key=lambda p: (p != 0.75, -p))),
         samples=int(stated.get("bootstrap", 2000)),
@@ -80,10 +84,8 @@ class Entry:
         """The entry of report.json: thresholds signed and ordered, the fit on |difference|."""
         told = self.summary.as_dict()
         signed = [
-            _signed(threshold_dict(threshold, verdict), self.sign)
-            for threshold, verdict in zip(
-                self.summary.thresholds, self.summary.verdicts, strict=True
-            )
+            threshold_dict(signed_threshold(self, place), verdict, signed=True)
+            for place, verdict in enumerate(self.summary.verdicts)
         ]
         return {
             "side": self.side,
@@ -99,17 +101,6 @@ class Entry:
         }
 
 
-def _signed(told: dict[str, float | None], sign: float) -> dict[str, float | None]:
-    if sign > 0:
-        return told
-    value, low, high = told["value"], told["low"], told["high"]
-    return told | {
-        "value": None if value is None else -value,
-        "low": None if high is None else -high,
-        "high": None if low is None else -low,
-    }
-
-
 def prepared(trials: pd.DataFrame, specification: str = "") -> pd.DataFrame:
     """Answered odd-pair trials with every column that the fits group by."""
     table = trials.copy()
@@ -123,7 +114,7 @@ def prepared(trials: pd.DataFrame, specification: str = "") -> pd.DataFrame:
     return table
 
 
-def entries(trials: pd.DataFrame, plan: Plan) -> list[Entry]:
+def entries(trials: pd.DataFrame, plan: FitPlan) -> list[Entry]:
     """All fits of prepared trials: pooled, by motion, by person; shorter before longer."""
     found = []
     grouped = trials.groupby(["specification", "track"], sort=True)
@@ -140,7 +131,7 @@ def entries(trials: pd.DataFrame, plan: Plan) -> list[Entry]:
 
 
 def _entry(
-    part: pd.DataFrame, plan: Plan, side: str, specification: str, motion: str = ALL
+    part: pd.DataFrame, plan: FitPlan, side: str, specification: str, motion: str = ALL
 ) -> Entry:
     data = people_counts(part["participant"], part["level"], part["correct"])
     summary = summarise(
@@ -155,7 +146,7 @@ def _entry(
     return Entry(side, specification, motion, ALL, data, summary, found)
 
 
-def _people(part: pd.DataFrame, plan: Plan, side: str, specification: str) -> list[Entry]:
+def _people(part: pd.DataFrame, plan: FitPlan, side: str, specification: str) -> list[Entry]:
     """Each person's fit over all motions; none where there is but one person."""
     data = people_counts(part["participant"], part["level"], part["correct"])
     if len(data.people) < 2:
@@ -163,7 +154,7 @@ def _people(part: pd.DataFrame, plan: Plan, side: str, specification: str) -> li
     samples = min(plan.samples, PERSON_SAMPLES)
     rng = np.random.default_rng(plan.seed)
     fits = summarise_each(data, plan.what, plan.at, samples=samples, rng=rng)
-    ran: dict[str, list[Track]] = {person: [] for person in data.people}
+    ran: dict[str, list[AnsweredTrack]] = {person: [] for person in data.people}
     for track in tracks(part):
         ran[track.participant].append(track)
     return [
@@ -175,5 +166,4 @@ def _people(part: pd.DataFrame, plan: Plan, side: str, specification: str) -> li
 def signed_threshold(entry: Entry, number: int = 0) -> Threshold:
     """The entry's threshold with its sign, ends in ascending order."""
     plain = entry.summary.thresholds[number]
-    ends = sorted((entry.sign * plain.low, entry.sign * plain.high))
-    return Threshold(plain.at, entry.sign * plain.value, *ends)
+    return plain if entry.sign > 0 else plain.signed_down

@@ -12,7 +12,7 @@ FIRST_REVERSALS = 2  # left out of the mean where at least twice as many were ru
 
 
 @dataclass(frozen=True, eq=False)
-class Track:
+class AnsweredTrack:
     """One track: signed differences shown and whether each was answered right."""
 
     participant: str
@@ -27,11 +27,11 @@ class Track:
         return np.abs(self.differences)
 
 
-def tracks(trials: pd.DataFrame) -> list[Track]:
-    """Answered trials in their order, one Track for each person, motion, specification, side."""
+def tracks(trials: pd.DataFrame) -> list[AnsweredTrack]:
+    """Answered trials in their order: a track for each person, motion, specification and side."""
     keys = ["participant", "motion", "specification", "track"]
     return [
-        Track(str(person), str(motion), str(side), str(specification),
+        AnsweredTrack(str(person), str(motion), str(side), str(specification),
               part["difference"].to_numpy(float), part["correct"].to_numpy(float))
         for (person, motion, specification, side), part in trials.groupby(keys, sort=True)
     ]  # fmt: skip
@@ -69,7 +69,7 @@ def stop_level(levels: Array) -> float | None:
     return leader
 
 
-def staircase_threshold(found: list[Track]) -> dict[str, float | None]:
+def staircase_threshold(found: list[AnsweredTrack]) -> dict[str, float | None]:
     """Signed means over tracks of both estimates: {stop_level, reversal_mean}."""
     told: dict[str, float | None] = {}
     for name, estimate in (("stop_level", stop_level), ("reversal_mean", reversal_mean)):

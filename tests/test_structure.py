@@ -122,6 +122,24 @@ def test_a_task_is_named_by_nobody_but_the_table() -> None:
     assert naming == {"study.trials.tasks"}
 
 
+# Packages that may not import one another have these words for one and the same thing.
+TWINS = {"InputError", "InputWarning", "write_atomic", "decoded"}
+
+
+def test_one_thing_has_one_name() -> None:
+    """No two modules define a class or function of one public name, but in grids of variants."""
+    homes: dict[str, list[str]] = {}
+    for path in MODULES:
+        name = dotted(path)
+        if within({name}, "study.cli") or within({name}, "study.trials.tasks"):
+            continue  # each command has its `run`, each task its `start` and `screens`
+        for node in ast.parse(path.read_text(encoding="utf-8")).body:
+            if isinstance(node, ast.ClassDef | ast.FunctionDef) and not node.name.startswith("_"):
+                homes.setdefault(node.name, []).append(name)
+    shared = {name: where for name, where in homes.items() if len(where) > 1}
+    assert set(shared) <= TWINS, shared
+
+
 def test_the_psychometric_functions_need_numpy_and_scipy_only() -> None:
     script = (
         "import sys, analysis.psychometric;"

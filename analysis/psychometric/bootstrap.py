@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from analysis.psychometric.counts import Counts, counts
+from analysis.psychometric.counts import Counts, counts, merged
 from analysis.psychometric.fit import Batch
 from analysis.psychometric.functions import Array
 
@@ -39,7 +39,7 @@ def people_counts(people: ArrayLike, levels: ArrayLike, correct: ArrayLike) -> P
     """Single trials (N,) gathered by person and level."""
     pooled = counts(levels, correct)
     names, person = np.unique(np.asarray(people).astype(str), return_inverse=True)
-    place = np.searchsorted(pooled.levels, np.asarray(levels, float))
+    place = merged(np.asarray(levels, float))[1]
     shape = (len(names), len(pooled.levels))
     cell = person * shape[1] + place
     total = np.bincount(cell, minlength=shape[0] * shape[1]).reshape(shape).astype(float)

@@ -8,6 +8,8 @@ from numpy.typing import ArrayLike
 from analysis.errors import InputError
 from analysis.psychometric.functions import Array
 
+ROUNDING = 1e-12  # of the largest level: levels closer than this are one
+
 
 @dataclass(frozen=True, eq=False)
 class Counts:
@@ -32,12 +34,25 @@ def counts(levels: ArrayLike, correct: ArrayLike, total: ArrayLike | None = None
     k = np.atleast_1d(np.asarray(correct, float))
     n = np.ones_like(k) if total is None else np.atleast_1d(np.asarray(total, float))
     _check(x, k, n)
-    distinct, place = np.unique(x, return_inverse=True)
+    distinct, place = merged(x)
     size = len(distinct)
     n_at = np.bincount(place, n, size)
     k_at = np.bincount(place, k, size)
     kept = n_at > 0
     return Counts(distinct[kept], k_at[kept], n_at[kept])
+
+
+def merged(levels: Array) -> tuple[Array, Array]:
+    """The distinct levels (L,), ascending, and the place of each of `levels` (N,) among them.
+
+    Levels that differ by rounding alone are one: 0.1 + 0.2 of a staircase is the 0.3 of a table.
+    """
+    ordered, place = np.unique(levels, return_inverse=True)
+    if len(ordered) == 0:
+        return ordered, place
+    grain = ROUNDING * np.abs(ordered).max()
+    first = np.append(True, np.diff(ordered) > grain)
+    return ordered[first], (np.cumsum(first) - 1)[place]
 
 
 def _check(x: Array, k: Array, n: Array) -> None:

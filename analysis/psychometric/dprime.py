@@ -33,7 +33,7 @@ def _dual_pair_inverse(p: float) -> float:
     return float(2 * ndtri((1 + np.sqrt(2 * p - 1)) / 2))
 
 
-RULES: dict[str, tuple[Callable[[float], float], Callable[[float], float]]] = {
+DECISION_RULES: dict[str, tuple[Callable[[float], float], Callable[[float], float]]] = {
     "two-interval": (_two_interval, _two_interval_inverse),
     "dual-pair": (_dual_pair, _dual_pair_inverse),
 }
@@ -41,19 +41,19 @@ RULES: dict[str, tuple[Callable[[float], float], Callable[[float], float]]] = {
 
 def proportion_of(d_prime: float, rule: str = "two-interval") -> float:
     """Proportion right of an unbiased observer with sensitivity d′ ≥ 0."""
-    if not d_prime > 0 or rule not in RULES:
+    if not d_prime > 0 or rule not in DECISION_RULES:
         raise InputError(
-            f"d′: expected a number above 0 and a rule of {', '.join(RULES)}, "
+            f"d′: expected a number above 0 and a rule of {', '.join(DECISION_RULES)}, "
             f"found {d_prime:g} and {rule!r}"
         )
-    return RULES[rule][0](d_prime)
+    return DECISION_RULES[rule][0](d_prime)
 
 
 def d_prime_of(p: float, rule: str = "two-interval") -> float:
     """Sensitivity behind a proportion right between ½ and 1."""
-    if not 0.5 <= p < 1 or rule not in RULES:
+    if not 0.5 <= p < 1 or rule not in DECISION_RULES:
         raise InputError(
             f"proportion right: expected at least ½ and below 1 and a rule of "
-            f"{', '.join(RULES)}, found {p:g} and {rule!r}"
+            f"{', '.join(DECISION_RULES)}, found {p:g} and {rule!r}"
         )
-    return RULES[rule][1](p)
+    return DECISION_RULES[rule][1](p)

@@ -2,8 +2,9 @@
 
 Inside, the function is written `p = guess + (1 − guess − lapse)·F(a + b·z)` with z the
 transformed level brought to about −1..1, so that one grid of starts suits every table. The
-whole grid is evaluated for every row by two matrix products, and the best point of it is
-polished by Fisher scoring: no fit depends on a guessed start.
+whole grid is evaluated for every row by two matrix products, and polished by Fisher scoring: no
+fit depends on a guessed start. The likelihood may have several maxima along the slope, so that a
+fit climbs from the best start of every slope; resamples, which are many, from the best of all.
 """
 
 from dataclasses import dataclass
@@ -13,33 +14,52 @@ import numpy as np
 from analysis.errors import InputError
 from analysis.psychometric.counts import Counts
 from analysis.psychometric.functions import Array, Function, check_rates, function_named
-from analysis.psychometric.scoring import TINY, TOLERANCE, log_likelihood, maximise
+from analysis.psychometric.scoring import (
+    ITERATIONS,
+    THOROUGH,
+    TINY,
+    TOLERANCE,
+    log_likelihood,
+    maximise,
+)
 
-MAXIMUM_LAPSE = 0.1  # a free lapse rate stays below this (Wichmann and Hill 2001 hold it to .06)
+LAPSE_BOUND = 0.2  # a free lapse rate stays below this unless told otherwise
 STEEPEST = 20.0  # bound on the change of η between neighbouring levels: beyond it, a step
 FINEST = 20  # levels are told apart no finer than this share of their range
 SHALLOWEST = 1e-3  # bound on the change of η over half the range of levels: below it, flat
 
 _CENTRES = np.linspace(-2.0, 2.0, 33)
 _STEEPNESSES = 14
+_FINE_STEEPNESSES = 28
+_FLATTEST = 0.02  # η over half the range, where the fine grid of slopes begins
 _LAPSES = (0.0, 0.02, 0.06)
+_FINE_LAPSES = (0.0, 0.1, 0.3, 0.5, 0.7, 0.85, 1.0)  # as shares of the bound
 _STEP_SPACING = 2.0  # η between the starts at the steepest slope: a level or none is on the rise
+_FARTHEST_ETA = 3.0  # η that starts reach beyond the levels: farther on, nothing has a slope
 _STEP_MARGIN = 10.0  # η by which they reach beyond the levels
 
 
 @dataclass(frozen=True)
 class Setting:
-    """What is fitted: the function, the guess rate, and the lapse rate (None: free)."""
+    """What is fitted: the function, the guess rate, and the lapse rate (None: free below
+    `lapse_bound`)."""
 
     function: Function
     guess: float = 0.5
     lapse: float | None = None
+    lapse_bound: float = LAPSE_BOUND
 
 
-def setting(function: str | Function, guess: float = 0.5, lapse: float | None = None) -> Setting:
-    """A checked Setting; `lapse` None leaves the rate free between 0 and MAXIMUM_LAPSE."""
-    check_rates(guess, MAXIMUM_LAPSE if lapse is None else lapse)
-    return Setting(function_named(function), float(guess), None if lapse is None else float(lapse))
+def setting(
+    function: str | Function,
+    guess: float = 0.5,
+    lapse: float | None = None,
+    lapse_bound: float = LAPSE_BOUND,
+) -> Setting:
+    """A checked Setting; `lapse` None leaves the rate free between 0 and `lapse_bound`."""
+    check_rates(guess, lapse_bound if lapse is None else lapse)
+    rate = None if lapse is None else float(lapse)
+    return Setting(function_named(function), float(guess), rate, float(lapse_bound))
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,19 +136,44 @@ def fit_batch(
     """
     scale = scale_of(levels, what.function)
     sign = -1.0 if falling else 1.0
-    steepnesses = sign * np.geomspace(0.2, scale.steepest, _STEEPNESSES)
-    start = _best_start(scale, what, _CENTRES, steepnesses, correct, total)
+    thorough = tolerance <= TOLERANCE
+    flattest, count = (_FLATTEST, _FINE_STEEPNESSES) if thorough else (0.2, _STEEPNESSES)
+    steepnesses = sign * np.geomspace(flattest, scale.steepest, count)
+    if thorough:
+        steepnesses = np.append(sign * SHALLOWEST, steepnesses)
     steep = (sign * scale.steepest, sign * SHALLOWEST)
     lower = np.array([-np.inf, min(steep), 0.0])
-    upper = np.array([np.inf, max(steep), MAXIMUM_LAPSE])
-    if what.lapse is not None:
-        start, lower, upper = start[:, :2], lower[:2], upper[:2]
+    upper = np.array([np.inf, max(steep), what.lapse_bound])
+    size = 2 + (what.lapse is None)
+    if thorough:
+        row, start = _all_starts(scale, what, steepnesses, correct, total)
+    else:
+        row = np.arange(len(correct))
+        start = _best_start(scale, what, _CENTRES, steepnesses, correct, total)
 
     def model(theta: Array, _: Array) -> tuple[Array, Array, Array]:
         return curve(scale.z, theta, what)
 
-    theta, value = maximise(model, start, lower, upper, correct, total, tolerance)
+    theta, value = maximise(
+        model,
+        start[:, :size],
+        lower[:size],
+        upper[:size],
+        correct[row],
+        total[row],
+        tolerance,
+        ITERATIONS if not thorough else THOROUGH,
+    )
+    if len(row) > len(correct):
+        theta, value = _best_climbs(row, theta, value)
     return _batch(what, scale, theta, value)
+
+
+def _best_climbs(row: Array, theta: Array, value: Array) -> tuple[Array, Array]:
+    """Of the climbs of each row, which come together, the highest."""
+    order = np.lexsort((-value, row))
+    best = order[np.append(True, np.diff(row[order]) > 0)]
+    return theta[best], value[best]
 
 
 def fit_steepest(fits: Batch, correct: Array, total: Array) -> Batch:
@@ -136,7 +181,7 @@ def fit_steepest(fits: Batch, correct: Array, total: Array) -> Batch:
     what, scale, b = fits.setting, fits.scale, fits.scale.steepest
     reach = 1 + _STEP_MARGIN / b
     centres = np.linspace(-reach, reach, round(2 * reach * b / _STEP_SPACING) + 1)
-    lower, upper = np.array([-np.inf, b, 0.0]), np.array([np.inf, b, MAXIMUM_LAPSE])
+    lower, upper = np.array([-np.inf, b, 0.0]), np.array([np.inf, b, what.lapse_bound])
     start = _best_start(scale, what, centres, np.array([b]), correct, total)
     size = 2 + (what.lapse is None)
 
@@ -187,12 +232,48 @@ def _best_start(
     scale: Scale, what: Setting, centres: Array, slopes: Array, correct: Array, total: Array
 ) -> Array:
     """The start (B, 3) of highest likelihood among centres × slopes × lapses."""
-    lapses = np.array(_LAPSES if what.lapse is None else (what.lapse,))
-    centre, b, lapse = (g.ravel() for g in np.meshgrid(centres, slopes, lapses))
-    eta = b[:, None] * (scale.z - centre[:, None])
-    span = 1 - what.guess - lapse[:, None]
-    p = what.guess + span * what.function.cdf(eta)
-    q = lapse[:, None] + span * what.function.survival(eta)
-    log_p, log_q = np.log(np.maximum(p, TINY)), np.log(np.maximum(q, TINY))
-    best = (correct @ log_p.T + (total - correct) @ log_q.T).argmax(1)
-    return np.stack([-b * centre, b, lapse], 1)[best]
+    starts = _grid(what, centres, slopes, _LAPSES)
+    return starts[_grid_values(scale, what, starts, correct, total).argmax(1)]
+
+
+def _all_starts(
+    scale: Scale, what: Setting, slopes: Array, correct: Array, total: Array
+) -> tuple[Array, Array]:
+    """The best start of every slope: the row of each (S,), ascending, and the starts (S, 3).
+
+    A steep function is told from another only where a level is on the rise: the steeper, the
+    closer the centres stand; a shallow one may have its centre far away.
+    """
+    fine = tuple(share * what.lapse_bound for share in _FINE_LAPSES)
+    grids = [_grid(what, _centres_of(abs(b)), np.array([b]), fine) for b in slopes]
+    values = _grid_values(scale, what, np.concatenate(grids), correct, total)
+    ends = np.cumsum([len(grid) for grid in grids])
+    parts = np.split(values, ends[:-1], axis=1)
+    best = np.stack([part.argmax(1) for part in parts], 1) + np.append(0, ends[:-1])
+    row = np.repeat(np.arange(len(correct)), len(slopes))
+    return row, np.concatenate(grids)[best.ravel()]
+
+
+def _centres_of(b: float) -> Array:
+    """Centres for one slope of η by z: those of all slopes, and as many as tell it from others."""
+    reach = 1 + _FARTHEST_ETA / b
+    inside = np.abs(_CENTRES) <= reach
+    return np.concatenate([_CENTRES[inside], np.linspace(-reach, reach, round(2 * b) + 33)])
+
+
+def _grid(what: Setting, centres: Array, slopes: Array, lapses: tuple[float, ...]) -> Array:
+    """Starts (S, 3) of a, b and lapse, slope by slope."""
+    kept = [rate for rate in lapses if rate <= what.lapse_bound]
+    rates = np.array(kept if what.lapse is None else [what.lapse])
+    b, centre, lapse = (g.ravel() for g in np.meshgrid(slopes, centres, rates, indexing="ij"))
+    return np.stack([-b * centre, b, lapse], 1)
+
+
+def _grid_values(scale: Scale, what: Setting, starts: Array, correct: Array, total: Array) -> Array:
+    """Log likelihoods (B, S) of every row at every start."""
+    eta = starts[:, :1] + starts[:, 1:2] * scale.z
+    lapse = starts[:, 2:]
+    span = 1 - what.guess - lapse
+    log_p = np.log(np.maximum(what.guess + span * what.function.cdf(eta), TINY))
+    log_q = np.log(np.maximum(lapse + span * what.function.survival(eta), TINY))
+    return correct @ log_p.T + (total - correct) @ log_q.T

@@ -11,7 +11,6 @@ import numpy as np
 from scipy.special import chdtri
 
 from analysis.psychometric.fit import (
-    MAXIMUM_LAPSE,
     SHALLOWEST,
     Batch,
     Setting,
@@ -25,7 +24,7 @@ _NEAREST = 0.05
 _STEPS = 9
 _CLOSE = 1e-6  # gain in log likelihood that a step must promise: the floor is at 1.92
 _START_SLOPES = 12
-_START_LAPSES = (0.0, 0.02, 0.06)
+_START_LAPSES = (0.0, 0.02, 0.06, 0.15)
 
 
 def threshold_interval(
@@ -77,7 +76,7 @@ def profile_threshold(fits: Batch, z0: Array, correct: Array, total: Array, at: 
         return p, q, np.stack(parts, 1)
 
     lower = np.array([SHALLOWEST, 0.0])
-    upper = np.array([fits.scale.steepest, min(MAXIMUM_LAPSE, 1 - at - 1e-4)])
+    upper = np.array([fits.scale.steepest, 1 - at - 1e-4])  # whatever bound the fit keeps to
     slopes = np.geomspace(0.2, fits.scale.steepest, _START_SLOPES)
     return _best(model, slopes, lower, upper, what, correct, total)
 
@@ -94,7 +93,7 @@ def _profile_slope(fits: Batch, b: Array, correct: Array, total: Array) -> Array
         jacobian[:, 0] *= -b[which][:, None]
         return p, q, jacobian
 
-    lower, upper = np.array([-np.inf, 0.0]), np.array([np.inf, MAXIMUM_LAPSE])
+    lower, upper = np.array([-np.inf, 0.0]), np.array([np.inf, what.lapse_bound])
     return _best(model, np.linspace(-2, 2, 21), lower, upper, what, correct, total)
 
 

@@ -13,7 +13,7 @@ from scipy.optimize import minimize
 from scipy.special import chdtri
 
 from analysis.psychometric.bootstrap import PeopleCounts
-from analysis.psychometric.fit import MAXIMUM_LAPSE, Setting, fit, scale_of
+from analysis.psychometric.fit import Setting, fit, scale_of
 from analysis.psychometric.functions import Array
 from analysis.psychometric.scoring import TINY
 
@@ -78,7 +78,7 @@ class _Model:
         self.what, self.at = what, at
         nodes, weights = np.polynomial.hermite_e.hermegauss(NODES)
         self.nodes, self.log_weights = nodes, np.log(weights / weights.sum())
-        top = min(MAXIMUM_LAPSE, 1 - at - 1e-3)
+        top = min(what.lapse_bound, 1 - at - 1e-3)
         self.bounds = [
             (-FARTHEST, FARTHEST),
             (1e-3, LARGEST_SD),

@@ -17,6 +17,7 @@ Model = Callable[[Array, Array], tuple[Array, Array, Array]]
 
 TINY = 1e-300
 ITERATIONS = 60
+THOROUGH = 400  # for fits that are few: a ridge is climbed slowly
 TOLERANCE = 1e-8  # gain in log likelihood that a step must still promise
 ROUGH = 1e-5  # the same for resamples: a four-hundredth of a standard error or so
 
@@ -35,6 +36,7 @@ def maximise(
     correct: Array,
     total: Array,
     tolerance: float = TOLERANCE,
+    iterations: int = ITERATIONS,
 ) -> tuple[Array, Array]:
     """Climb from `start` (B, P) within `lower`, `upper` (P,) or (B, P).
 
@@ -50,7 +52,7 @@ def maximise(
     active = np.arange(rows)
     p, q, jacobian = model(theta, active)
     value[:] = log_likelihood(p, q, correct, total)
-    for _ in range(ITERATIONS):
+    for _ in range(iterations):
         k, n = correct[active], total[active]
         step, promise = _step(
             theta[active], lower[active], upper[active], p, q, jacobian, k, n, damping[active]

@@ -16,7 +16,7 @@ from analysis.psychometric.counts import Counts
 from analysis.psychometric.fit import Batch, Setting, deviance, fit, fit_batch
 from analysis.psychometric.functions import Array, proportion
 from analysis.psychometric.scoring import ROUGH
-from analysis.psychometric.verdict import INTERVAL, judge, sentence
+from analysis.psychometric.verdict import INTERVAL, at_lapse_bound, judge, verdict_words
 
 INTERVALS = {
     "profile": "profile likelihood",
@@ -29,12 +29,33 @@ SAMPLES = 2000
 
 @dataclass(frozen=True)
 class Threshold:
-    """Level at proportion `at` with the ends of its 95 % interval; ±inf where unbounded."""
+    """Level at proportion `at` with the ends of its 95 % interval; ±inf where unbounded.
+
+    `least` and `most` are the levels shown: nothing is known of what lies beyond them, so that an
+    end out there is told as “beyond” the last level, never as a number.
+    """
 
     at: float
     value: float
     low: float
     high: float
+    least: float = float("-inf")
+    most: float = float("inf")
+
+    @property
+    def beyond_low(self) -> float | None:
+        """The level beyond which the lower end lies, if it does."""
+        return self.least if self.low < self.least and np.isfinite(self.least) else None
+
+    @property
+    def beyond_high(self) -> float | None:
+        """The level beyond which the upper end lies, if it does."""
+        return self.most if self.high > self.most and np.isfinite(self.most) else None
+
+    @property
+    def signed_down(self) -> "Threshold":
+        """The threshold with its sign turned, ends in ascending order."""
+        return Threshold(self.at, -self.value, -self.high, -self.low, -self.most, -self.least)
 
 
 @dataclass(frozen=True)
@@ -53,10 +74,18 @@ class Summary:
     interval_method: str
     verdicts: tuple[str, ...]
     trials: int
+    lapse_bound: float | None = None  # where the free lapse rate ended at it
 
     @property
     def verdict(self) -> str:
         return self.verdicts[0]
+
+    @property
+    def note(self) -> str:
+        """What is to be known of a fit that stands; empty where there is nothing."""
+        if self.lapse_bound is None:
+            return ""
+        return f"the lapse rate is at its bound of {self.lapse_bound:g}"
 
     def proportion(self, levels: Array) -> Array:
         """The fitted proportion right at `levels`."""
@@ -80,16 +109,26 @@ class Summary:
             "threshold": threshold_dict(self.thresholds[0], self.verdicts[0]),
             "interval_method": self.interval_method,
             "verdict": self.verdict,
-        }
+        } | ({"note": self.note} if self.note else {})
 
 
-def threshold_dict(threshold: Threshold, verdict: str) -> dict[str, float | None]:
-    """A threshold as JSON; None for what is denied or unbounded."""
+def threshold_dict(threshold: Threshold, verdict: str, signed: bool = False) -> dict[str, Any]:
+    """A threshold as JSON; None for what is denied, or lies beyond the levels shown.
+
+    Of an end beyond them the key `low_reason` or `high_reason` says so: “beyond −8”, with its sign
+    either way where levels are `signed`.
+    """
     numbers = {"value": threshold.value, "low": threshold.low, "high": threshold.high}
-    return {"at": threshold.at} | {
-        name: float(value) if verdict == "ok" and np.isfinite(value) else None
-        for name, value in numbers.items()
-    }
+    beyond = {"low": threshold.beyond_low, "high": threshold.beyond_high}
+    told: dict[str, Any] = {"at": threshold.at}
+    for name, value in numbers.items():
+        known = verdict == "ok" and np.isfinite(value) and beyond.get(name) is None
+        told[name] = float(value) if known else None
+    for name, level in beyond.items():
+        if verdict == "ok" and level is not None:
+            shown = f"{level:+.10g}" if signed else f"{level:.10g}"
+            told[f"{name}_reason"] = f"beyond {shown.replace('-', '−')}, the last level shown"
+    return told
 
 
 def summarise(
@@ -121,8 +160,9 @@ def summarise(
         plain = _summaries(*table, samples, rng)[0]
         again = _refit(data, pooled, fits, interval, samples, rng)
     thresholds = tuple(
-        Threshold(each.at, each.value, *percentile_interval(again.threshold(each.at), INTERVAL))
+        replace(each, low=low, high=high)
         for each in plain.thresholds
+        for low, high in [percentile_interval(again.threshold(each.at), INTERVAL)]
     )
     method = f"{INTERVALS[interval]}, {samples} samples"
     return replace(plain, thresholds=thresholds, interval_method=method)
@@ -151,7 +191,7 @@ def _summaries(
     samples: int,
     rng: np.random.Generator,
 ) -> list[Summary]:
-    lost = deviance(fits, correct, total)
+    lost, bounded = deviance(fits, correct, total), at_lapse_bound(fits)
     judged = [judge(levels, fits, correct, total, each) for each in at]
     found = [fits.threshold(each) for each in at]
     p = deviance_p(fits, total, lost, samples, rng) if samples else None
@@ -166,12 +206,23 @@ def _summaries(
             deviance=float(lost[row]),
             deviance_p=None if p is None else float(p[row]),
             thresholds=tuple(
-                Threshold(each, float(value[row]), float(low[row]), float(high[row]))
+                Threshold(
+                    each,
+                    float(value[row]),
+                    float(low[row]),
+                    float(high[row]),
+                    float(levels[total[row] > 0].min()),
+                    float(levels[total[row] > 0].max()),
+                )
                 for each, value, (_, low, high) in zip(at, found, judged, strict=True)
             ),
             interval_method=INTERVALS["profile"],
-            verdicts=tuple(sentence(int(verdict[row])) for verdict, _, _ in judged),
+            verdicts=tuple(
+                verdict_words(int(verdict[row]), fits.setting, levels, correct[row], total[row])
+                for verdict, _, _ in judged
+            ),
             trials=int(total[row].sum()),
+            lapse_bound=fits.setting.lapse_bound if bounded[row] else None,
         )
         for row in range(len(total))
     ]

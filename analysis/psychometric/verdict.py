@@ -5,10 +5,12 @@ number. Their two errors are held by simulation: of chance data at most 5 % get 
 good data (threshold inside the levels, 40 trials a level) at most 5 % are refused.
 """
 
-import numpy as np
-from scipy.special import chdtrc
+from dataclasses import replace
 
-from analysis.psychometric.fit import SHALLOWEST, Batch, fit_batch, fit_steepest
+import numpy as np
+from scipy.special import betainc, chdtrc
+
+from analysis.psychometric.fit import SHALLOWEST, Batch, Setting, fit_batch, fit_steepest
 from analysis.psychometric.functions import Array
 from analysis.psychometric.profile import threshold_interval
 from analysis.psychometric.scoring import log_likelihood
@@ -21,12 +23,25 @@ INTERVAL = 0.95  # the profile interval that must be bounded
 OK = "ok"
 REASONS = (
     OK,
-    "the levels make no difference (likelihood ratio against a constant: p > {p:g})",
+    "only one level was shown: show more",
+    "every answer is right: the threshold lies below {least:g}, the least level shown: show "
+    "smaller ones",
+    "nearly every answer is right at every level: the threshold lies below {least:g}, the least "
+    "level shown: show smaller ones",
+    "fewer right than by guessing ({right:g} of {trials:g} at a guess rate of {guess:g}, {p}): are "
+    "the keys the wrong way round?",
+    "the levels make no difference (likelihood ratio against a constant: p > {flat:g})",
     "the proportion right falls with the level",
+    "the lapse rate is at its bound of {bound:g}: people miss for other reasons than the level, or "
+    "the bound is too low",
     "the slope is at its bound (a step or a flat line fits as well)",
     "the threshold lies outside the levels shown",
     "the {interval:.0%} profile interval of the threshold is unbounded",
 )
+BELOW_P = 1e-3  # of a binomial test of fewer right answers than by guessing
+WIDE = 0.8  # of what the guess rate leaves: the bound that a lapse rate at its own is tried with
+BETTER = 0.5  # log likelihood by which the wider bound must fit better
+AT_BOUND = 1e-4  # a free lapse rate as close to its bound is at it
 
 
 def constant_p(value: Array, correct: Array, total: Array) -> Array:
@@ -58,10 +73,18 @@ def judge(
     step = fit_steepest(fits, correct, total).value > fits.value - RIDGE
     at_bound = step | (fits.b <= SHALLOWEST * 1.001)
     shown = total > 0
+    right, trials = correct.sum(1), total.sum(1)
+    one = shown.sum(1) == 1
+    perfect = right == trials
+    above = flat & (1 - _at_most(right - 1, trials, at) < BELOW_P)
+    guess = fits.setting.guess
+    below = _at_most(right, trials, guess) < BELOW_P
+    lapses = _bound_too_low(levels, fits, correct, total)
     lowest = levels[shown.argmax(1)]
     highest = levels[len(levels) - 1 - shown[:, ::-1].argmax(1)]
     outside = ~((threshold >= lowest) & (threshold <= highest))
-    faults = (flat, falling.value > fits.value, at_bound, outside)
+    falls = falling.value > fits.value
+    faults = (one, perfect, above, below, flat, falls, lapses, at_bound, outside)
     low, high = threshold_interval(fits, correct, total, at, INTERVAL)
     unbounded = ~(np.isfinite(low) & np.isfinite(high) & (_above_zero(low, fits)))
     for reason, fault in reversed(list(enumerate((*faults, unbounded), start=1))):
@@ -69,13 +92,51 @@ def judge(
     return verdict, low, high
 
 
+def at_lapse_bound(fits: Batch) -> Array:
+    """Whether each free lapse rate (B,) ended at its bound."""
+    if fits.setting.lapse is not None:
+        return np.zeros(len(fits.a), bool)
+    return fits.lapse >= fits.setting.lapse_bound - AT_BOUND
+
+
+def _bound_too_low(levels: Array, fits: Batch, correct: Array, total: Array) -> Array:
+    """Whether a wider bound fits better (B,): the threshold of such a fit is pushed aside.
+
+    Where it does not, the fit stands: the profile interval lets the lapse rate go beyond the bound.
+    """
+    found = at_lapse_bound(fits)
+    if found.any():
+        wide = replace(fits.setting, lapse_bound=WIDE * (1 - fits.setting.guess))
+        again = fit_batch(levels, correct[found], total[found], wide)
+        found[found] = again.value > fits.value[found] + BETTER
+    return found
+
+
+def _at_most(right: Array, trials: Array, p: float) -> Array:
+    """Probability of at most so many right answers in so many trials."""
+    with np.errstate(invalid="ignore"):
+        below = betainc(trials - right, right + 1, 1 - p)
+    return np.where(right < 0, 0.0, np.where(right >= trials, 1.0, below))
+
+
 def _above_zero(low: Array, fits: Batch) -> Array:
     """On a logarithmic scale an end at 0 is as unbounded as one at infinity."""
     return np.isfinite(fits.setting.function.transform(low))
 
 
-def sentence(verdict: int) -> str:
-    """The verdict as `segue fit` prints it: "ok" or "not identifiable: why"."""
+def verdict_words(verdict: int, what: Setting, levels: Array, correct: Array, total: Array) -> str:
+    """The verdict on one table (L,) as `segue fit` prints it: "ok" or "not identifiable: why"."""
     if verdict == 0:
         return OK
-    return "not identifiable: " + REASONS[verdict].format(p=CONSTANT_P, interval=INTERVAL)
+    right, trials = float(correct.sum()), float(total.sum())
+    p = float(_at_most(np.array(right), np.array(trials), what.guess))
+    return "not identifiable: " + REASONS[verdict].format(
+        least=levels[total > 0].min(),
+        right=right,
+        trials=trials,
+        guess=what.guess,
+        p=f"p < 1e{int(np.ceil(np.log10(max(p, 1e-300))))}",
+        flat=CONSTANT_P,
+        bound=what.lapse_bound,
+        interval=INTERVAL,
+    )

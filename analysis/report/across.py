@@ -8,7 +8,7 @@ from analysis.report.context import Context
 from analysis.report.parts import Section
 from analysis.report.supplement_part import difference_section
 from analysis.supplements import Difference, differences
-from analysis.thresholds import plan_of, prepared
+from analysis.thresholds import fit_plan_of, prepared
 
 
 def across(contexts: list[Context]) -> tuple[list[Difference], Section | None]:
@@ -30,7 +30,7 @@ def across(contexts: list[Context]) -> tuple[list[Difference], Section | None]:
     if len({name for table in tables for name in table["specification"]}) < 2 or len(kept) < 2:
         return [], None
     trials = pd.concat(tables, ignore_index=True)
-    tests = differences(trials, plan_of(kept[0].protocol).what, ("specifications",))
+    tests = differences(trials, fit_plan_of(kept[0].protocol).what, ("specifications",))
     return tests, difference_section(kept[0], tests, "across") if tests else None
 
 

@@ -7,15 +7,15 @@ from typing import Any
 
 from analysis.report.context import Context
 from analysis.report.parts import Section
-from analysis.report.words import count, listing, number, share, signed
+from analysis.report.words import count, listing, rounded, share, signed
 
-NAME = "certificate.json"
+_FILE = "certificate.json"
 # What a certificate would say, by task: what is simulated of a study depends on what it asks.
-MISSING = {
+_UNKNOWN = {
     "odd-pair": "bias and coverage of its estimates under its own staircase are not known",
     "preference": "the power of its tests is not known",
 }
-MISSING_OTHERWISE = "how long its sessions take and how they are balanced is not known beforehand"
+_UNKNOWN_OTHERWISE = "how long its sessions take and how they are balanced is not known beforehand"
 
 
 def certificates(data: list[Path]) -> dict[str, Any]:
@@ -23,7 +23,7 @@ def certificates(data: list[Path]) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for folder in [Path(), *(near for path in data for near in (path.parent, path))]:
         try:
-            held = json.loads((folder / NAME).read_text(encoding="utf-8"))
+            held = json.loads((folder / _FILE).read_text(encoding="utf-8"))
         except (OSError, ValueError):
             continue
         if isinstance(held, dict):
@@ -39,8 +39,8 @@ def certificate_section(context: Context) -> Section:
             "What the design can show",
             text=(
                 "There is no certificate of this protocol: "
-                f"{MISSING.get(context.study.task, MISSING_OTHERWISE)}. “segue certify” simulates "
-                "the protocol to find out.",
+                f"{_UNKNOWN.get(context.study.task, _UNKNOWN_OTHERWISE)}. “segue certify” "
+                "simulates the protocol to find out.",
             ),
         )
     told = [
@@ -71,10 +71,14 @@ def _when(held: dict[str, Any], context: Context) -> str:
 def _estimates(held: dict[str, Any]) -> list[str]:
     return [
         f"on the {side['side']} side a true {signed(side['truth'])} is estimated as "
-        f"{signed(side['fit']['mean'])} on average (SD {number(side['fit']['sd'])}), and the "
+        f"{signed(side['fit']['mean'])} on average (SD {rounded(side['fit']['sd'])}), and the "
         f"95% interval covers it in {share(side['coverage'])} of studies;"
         for side in held.get("thresholds", [])
     ]
+
+
+def _of_category(row: dict[str, Any]) -> str:
+    return f" ({row['category']})" if row.get("category", "all") != "all" else ""
 
 
 def _people(number: int | None) -> str:
@@ -92,7 +96,7 @@ def _power(held: dict[str, Any], context: Context) -> list[str]:
     own = (context.protocol.get("participants"), held.get("participants"))
     stated = next((n for n in own if any(row["participants"] == n for row in rows)), None)
     powers = [
-        f"{share(row['power'])} for an effect of {row['effect']:g}"
+        f"{share(row['power'])} for an effect of {row['effect']:g}{_of_category(row)}"
         for row in rows
         if row["participants"] == stated
     ]

@@ -1,13 +1,17 @@
-"""What was asked and how, in the words of a Methods section, written from the protocol."""
+"""What was asked and how, in the words of a Methods section.
+
+It says what the record, the protocol and the manifest hold, and is silent on what they leave open.
+"""
 
 from typing import Any
 
+from analysis.psychometric.fit import LAPSE_BOUND
 from analysis.report.context import Context
 from analysis.report.parts import Section
 from analysis.report.words import count, listing, share
 from analysis.screening import stated_rules
 
-TASKS = {
+_TASKS = {
     "odd-pair": "On each trial two pairs of clips were shown side by side, one pair after the "
     "other. One pair held the same clip twice, the other two clips that differed in blend length; "
     "participants said which pair held two different clips, and guessed when unsure.",
@@ -18,23 +22,23 @@ TASKS = {
     "natural": "Participants watched a clip and said whether it looked natural.",
 }
 
-QUESTIONS = {
+_QUESTIONS = {
     "odd-pair": "By how many frames must the length of a blend differ for people to see it?",
     "preference": "Which way of joining two motions do people find more natural?",
     "rating": "How realistic, and how noticeable, do people find the transitions of two methods?",
     "natural": "Which transitions do people call natural, and does a score predict it?",
 }
 
-RULES = {
-    "levitt": "a transformed up-down staircase ({n_down} down, {n_up} up; Wetherill and Levitt, "
-    "1965)",
+_LEVITT_COUNTED = (
+    "a transformed up-down staircase ({n_down} down, {n_up} up; Wetherill and Levitt, 1965)"
+)
+_STAIRCASES = {
+    "levitt": "a transformed up-down staircase (Wetherill and Levitt, 1965)",
     "wang": "the staircase of Wang (2005): the difference shrank after two right answers in a row "
     "and otherwise grew",
     "weighted": "a weighted up-down staircase (Kaernbach, 1991)",
     "questplus": "QUEST+ (Watson, 2017)",
 }
-
-DEFAULTS = {"n_down": 2, "n_up": 1}
 
 
 def asked_section(context: Context) -> Section:
@@ -42,7 +46,7 @@ def asked_section(context: Context) -> Section:
     study = context.study
     sets = context.table("stimuli").get("motions")
     named = [str(m.get("name")) for m in sets if isinstance(m, dict)] if sets else []
-    facts = [("Question", QUESTIONS[study.task]), ("Task", TASKS[study.task])]
+    facts = [("Question", _QUESTIONS[study.task]), ("Task", _TASKS[study.task])]
     if named:
         facts.append(("Motions", listing(named)))
     methods = context.protocol.get("methods")
@@ -57,7 +61,7 @@ def methods_section(context: Context) -> Section:
         return Section("Methods", text=("The records hold no protocol to write Methods from.",))
     sentences = [
         *_stimuli(context),
-        TASKS[context.study.task],
+        _TASKS[context.study.task],
         *_staircase(context),
         *_order(context),
         *_analysis(context),
@@ -66,15 +70,9 @@ def methods_section(context: Context) -> Section:
 
 
 def _stimuli(context: Context) -> list[str]:
-    stimuli, look = context.table("stimuli"), context.table("appearance")
-    kind = stimuli.get("specification", "start-end")
-    seconds = stimuli.get("seconds", 6.0)
-    fps = stimuli.get("fps", 30)
-    told = [
-        f"{_opening(context, kind)} as clips of {seconds:g} s at {fps:g} frames a second with the "
-        "transition in the middle, from one static camera for all clips of a pair of motions"
-        + ("." if look.get("ground") else " and without a ground plane.")
-    ]
+    """What the protocol and the manifest hold of the clips; nothing that they leave open."""
+    stimuli = context.table("stimuli")
+    told = [f"{_opening(context)}{_layout(context)}."]
     reference = stimuli.get("reference")
     if reference is not None:
         told.append(
@@ -92,17 +90,32 @@ def _stimuli(context: Context) -> list[str]:
     return told
 
 
-def _opening(context: Context, kind: str) -> str:
+def _opening(context: Context) -> str:
     """What the stimuli were; of sessions simulated without any, what they were to be."""
     sets = [s.sidecar["StimulusSetHash"] for s in context.study.sessions
             if "StimulusSetHash" in s.sidecar]  # fmt: skip
+    kind = context.table("stimuli").get("specification")
+    kinds = f"{kind} transitions" if kind else "transitions"
     if sets and all(mark == "n/a" for mark in sets):
         return (
             "No stimuli were rendered for these answers; what follows is the protocol that they "
-            f"stand for. Stimuli are {kind} transitions between captured human motions, to be "
-            "rendered offline"
+            f"stand for. Stimuli are {kinds} between captured human motions, to be rendered offline"
         )
-    return f"Stimuli were {kind} transitions between captured human motions, rendered offline"
+    rendered = ", rendered offline" if sets else ""
+    return f"Stimuli were {kinds} between captured human motions{rendered}"
+
+
+def _layout(context: Context) -> str:
+    """How long the clips are: as the protocol states it, else as the manifest counts it."""
+    seconds = context.table("stimuli").get("seconds")
+    if isinstance(seconds, int | float):
+        return f" as clips of {seconds:g} s"
+    frames = {
+        entry["frames"]
+        for entry in context.study.stimuli.values()
+        if isinstance(entry.get("frames"), int)
+    }
+    return f" as clips of {count(frames.pop(), 'frame')}" if len(frames) == 1 else ""
 
 
 def _lengths(stimuli: dict[str, Any]) -> str:
@@ -119,7 +132,9 @@ def _staircase(context: Context) -> list[str]:
     if not rule:
         return []
     name = str(rule.get("rule", ""))
-    words = RULES.get(name, f"the rule {name}").format_map(DEFAULTS | _numbers(rule))
+    words = _STAIRCASES.get(name, f"the rule {name}")
+    if name == "levitt" and {"n_down", "n_up"} <= set(_numbers(rule)):
+        words = _LEVITT_COUNTED.format_map(_numbers(rule))
     stop = rule.get("stop")
     ends = {
         "visits": "a level had been answered {} times",
@@ -129,8 +144,8 @@ def _staircase(context: Context) -> list[str]:
     held = [ends[k].format(v) for k, v in stop.items() if k in ends] if stop else []
     until = f" A track ended when {' or '.join(held)}." if held else ""
     return [
-        f"Differences followed {words}, with one track for each motion and side, interleaved at "
-        f"random.{until}"
+        f"Differences followed {words}, with one track for each motion and side, interleaved."
+        f"{until}"
     ]
 
 
@@ -139,12 +154,24 @@ def _numbers(table: dict[str, Any]) -> dict[str, Any]:
 
 
 def _order(context: Context) -> list[str]:
+    """In which order things came, as the trials themselves have it."""
+    trials = context.screened.main
+    told = []
     if context.study.task == "odd-pair":
-        return ["The order of the pairs and the place of the odd clip were random."]
-    if context.study.task == "preference":
-        first = context.table("trials").get("first", "balanced")
-        return [f"Which clip came first was {first if first == 'balanced' else 'random'}."]
-    return []
+        for column, words in (
+            ("odd_pair", "The odd pair came first"),
+            ("odd_position", "The odd clip was on the left"),
+        ):
+            if column in trials and trials[column].notna().any():
+                known = trials[column].dropna()
+                told.append(
+                    f"{words} in {int((known == 1).sum())} of {count(len(known), 'trial')}."
+                )
+    if context.study.task == "preference" and len(trials):
+        firsts = trials["first_method"].astype(str).value_counts().sort_index()
+        each = [f"{name} in {n}" for name, n in firsts.items()]
+        told.append(f"Of {count(len(trials), 'trial')}, {listing(each)} showed it first.")
+    return told
 
 
 def _analysis(context: Context) -> list[str]:
@@ -152,11 +179,12 @@ def _analysis(context: Context) -> list[str]:
     told = [f"Results were called significant below α = {share(context.alpha, 3).rstrip('0')}."]
     if context.study.task == "odd-pair":
         lapse = stated.get("lapse", "free")
+        bound = share(float(stated.get("lapse_bound", LAPSE_BOUND)))
         told.insert(
             0,
             f"{str(stated.get('function', 'logistic')).capitalize()} functions with a guess rate "
             "of ½ and a lapse rate "
-            + ("free below .10" if lapse == "free" else f"of {share(float(lapse))}")
+            + (f"free below {bound}" if lapse == "free" else f"of {share(float(lapse))}")
             + " were fitted to single trials by maximum likelihood, each side of the reference "
             f"apart; 95% intervals resample people, then trials within people "
             f"({int(stated.get('bootstrap', 2000)):,} times).",

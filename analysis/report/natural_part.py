@@ -3,11 +3,11 @@
 import numpy as np
 import pandas as pd
 
-from analysis.naturalness import Curve, agreement, labels, receiver_curve, scores_of
+from analysis.naturalness import ReceiverCurve, agreement, labels, receiver_curve, scores_of
 from analysis.report.context import Context
 from analysis.report.draw import GRID, PALE, SERIES, canvas
-from analysis.report.parts import Figure, Findings, Section, Table
-from analysis.report.words import count, interval, number, share
+from analysis.report.parts import Figure, Findings, ReportTable, Section
+from analysis.report.words import count, interval, rounded, share
 
 DRAWN = 6  # curves in the figure; the table has them all
 
@@ -29,9 +29,9 @@ def report_natural(context: Context) -> Findings:
     first = (
         f"{count(len(found.people), 'person', 'people')} gave {count(answers, 'answer')} on "
         f"{count(len(found.clips), 'clip')}; "
-        f"{number(100 * unnatural, 1)}% were “unnatural”. Agreement between people: "
+        f"{rounded(100 * unnatural, 1)}% were “unnatural”. Agreement between people: "
         f"Krippendorff's α = {share(alpha) if alpha is not None else 'not defined'}; two people "
-        f"gave a clip the same answer in {number(100 * (alike['pairwise'] or 0), 1)}% of pairs."
+        f"gave a clip the same answer in {rounded(100 * (alike['pairwise'] or 0), 1)}% of pairs."
     )
     document = {
         "agreement": alike,
@@ -50,7 +50,7 @@ def report_natural(context: Context) -> Findings:
     return Findings((section,), document)
 
 
-def _sentence(curve: Curve) -> str:
+def _sentence(curve: ReceiverCurve) -> str:
     told = curve.low > 0.5 or curve.high < 0.5
     return (
         f"The score {curve.score} {'tells' if told else 'does not tell'} natural from unnatural "
@@ -59,7 +59,7 @@ def _sentence(curve: Curve) -> str:
     )
 
 
-def _table(stem: str, curves: list[Curve]) -> Table:
+def _table(stem: str, curves: list[ReceiverCurve]) -> ReportTable:
     data = pd.DataFrame(
         [
             {"score": c.score, "n": c.answers, "area": c.area, "low": c.low, "high": c.high}
@@ -74,10 +74,10 @@ def _table(stem: str, curves: list[Curve]) -> Table:
             "95% interval": [f"{share(c.low)} to {share(c.high)}" for c in curves],
         }
     )
-    return Table(f"{stem}-scores", "Scores against the answers.", data, shown)
+    return ReportTable(f"{stem}-scores", "Scores against the answers.", data, shown)
 
 
-def _figure(stem: str, curves: list[Curve]) -> Figure:
+def _figure(stem: str, curves: list[ReceiverCurve]) -> Figure:
     best = sorted(curves, key=lambda curve: -abs(curve.area - 0.5))[:DRAWN]
     with canvas(4.6, 4.4) as drawn:
         axis = drawn.figure.subplots()

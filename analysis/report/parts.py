@@ -17,7 +17,7 @@ class Figure:
 
 
 @dataclass(frozen=True, eq=False)
-class Table:
+class ReportTable:
     """A table as printed (`shown`, text cells) and as numbers (`data`, written as CSV)."""
 
     name: str
@@ -45,7 +45,7 @@ class Section:
     text: tuple[str, ...] = ()
     findings: tuple[str, ...] = ()
     figures: tuple[Figure, ...] = ()
-    tables: tuple[Table, ...] = ()
+    tables: tuple[ReportTable, ...] = ()
     facts: tuple[tuple[str, str], ...] = ()
     items: tuple[str, ...] = ()
 

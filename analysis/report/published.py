@@ -5,8 +5,8 @@ from typing import Any
 import pandas as pd
 
 from analysis.report.context import Context
-from analysis.report.parts import Section, Table
-from analysis.report.words import number, p_value, signed
+from analysis.report.parts import ReportTable, Section
+from analysis.report.words import p_value, rounded, signed
 
 SOURCE = "Wang 2005"
 
@@ -42,7 +42,7 @@ OF_THRESHOLDS = (
     "His thresholds are printed without a proportion; they stand here beside the .75 threshold. "
 )
 
-Row = tuple[str, str, str]
+FigureRow = tuple[str, str, str]
 
 
 def published_section(context: Context, document: dict[str, Any]) -> Section | None:
@@ -59,7 +59,7 @@ def published_section(context: Context, document: dict[str, Any]) -> Section | N
         return None
     shown = pd.DataFrame(rows, columns=["Figure", "Dissertation", "Here"])
     data = shown.rename(columns=str.lower)
-    table = Table(
+    table = ReportTable(
         f"{context.stem}-published",
         "What is printed in Wang (2005), and what these sessions give.",
         data,
@@ -70,7 +70,7 @@ def published_section(context: Context, document: dict[str, Any]) -> Section | N
     return Section("Beside the dissertation", tables=(table,))
 
 
-def _preferences(comparisons: list[dict[str, Any]]) -> list[Row]:
+def _preferences(comparisons: list[dict[str, Any]]) -> list[FigureRow]:
     rows = []
     for entry in comparisons:
         key = (entry["a"], entry["b"], entry["category"])
@@ -83,15 +83,15 @@ def _preferences(comparisons: list[dict[str, Any]]) -> list[Row]:
         rows.append(
             (
                 f"prefer {entry['a']} to {entry['b']}{where}",
-                f"{number(percent, 1)}%, χ²(1, N = {n}) = {chi2:g}",
-                f"{number(entry['percent'], 1)}%, χ²(1, N = {entry['n']}) = "
-                f"{number(entry['chi2'])}",
+                f"{rounded(percent, 1)}%, χ²(1, N = {n}) = {chi2:g}",
+                f"{rounded(entry['percent'], 1)}%, χ²(1, N = {entry['n']}) = "
+                f"{rounded(entry['chi2'])}",
             )
         )
     return rows
 
 
-def _thresholds(entries: list[dict[str, Any]]) -> list[Row]:
+def _thresholds(entries: list[dict[str, Any]]) -> list[FigureRow]:
     rows = []
     for entry in entries:
         key = (entry["specification"], entry["side"])
@@ -112,7 +112,7 @@ def _thresholds(entries: list[dict[str, Any]]) -> list[Row]:
     return rows
 
 
-def _ratings(entries: list[dict[str, Any]]) -> list[Row]:
+def _ratings(entries: list[dict[str, Any]]) -> list[FigureRow]:
     rows = []
     for entry in entries:
         key = (str(entry["question"]).replace("-", " ").replace("_", " "), entry["test"])
@@ -121,13 +121,13 @@ def _ratings(entries: list[dict[str, Any]]) -> list[Row]:
         kind, value = RATINGS[key]
         theirs = {
             "p": lambda v: p_value(v),
-            "F": lambda v: f"F(1, 48) = {number(v)}",
-            "mean": lambda v: f"M = {number(v)}",
+            "F": lambda v: f"F(1, 48) = {rounded(v)}",
+            "mean": lambda v: f"M = {rounded(v)}",
         }[kind](value)
         ours = {
             "p": lambda e: p_value(e["p"]),
-            "F": lambda e: f"F({', '.join(map(str, e['df']))}) = {number(e['statistic'])}",
-            "mean": lambda e: f"M = {number(e['mean'])}",
+            "F": lambda e: f"F({', '.join(map(str, e['df']))}) = {rounded(e['statistic'])}",
+            "mean": lambda e: f"M = {rounded(e['mean'])}",
         }[kind](entry)
         rows.append((f"{entry['question']}: {entry['test']}", theirs, ours))
     return rows

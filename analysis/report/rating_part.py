@@ -16,8 +16,8 @@ from analysis.ratings import (
 )
 from analysis.report.context import Context
 from analysis.report.draw import SERIES, canvas
-from analysis.report.parts import Figure, Findings, Section, Table
-from analysis.report.words import interval, number, p_value, sentence_case, share
+from analysis.report.parts import Figure, Findings, ReportTable, Section
+from analysis.report.words import interval, p_value, rounded, sentence_case, share
 
 
 def report_rating(context: Context) -> Findings:
@@ -47,12 +47,14 @@ EFFECTS = {
 
 def apa(test: RatingTest) -> str:
     """`V = 40, p = .039, r_rb = .78, 95% CI [.30, 1.00]`."""
+    if test.p is None:
+        return test.note
     kind = next(symbol for name, symbol in SYMBOLS.items() if test.test.startswith(name))
     df = "" if test.df is None else f"({', '.join(map(str, test.df))})"
     digits = 0 if kind in "UV" and test.statistic == round(test.statistic or 0) else 2
     return (
-        f"{kind}{df} = {number(test.statistic, digits)}, {p_value(test.p)}, "
-        f"{EFFECTS[test.effect]} = {number(test.effect_size)}, {interval(test.low, test.high)}"
+        f"{kind}{df} = {rounded(test.statistic, digits)}, {p_value(test.p)}, "
+        f"{EFFECTS[test.effect]} = {rounded(test.effect_size)}, {interval(test.low, test.high)}"
     )
 
 
@@ -73,7 +75,7 @@ def _order_text(context: Context, tests: list[RatingTest]) -> tuple[str, ...]:
     if not order:
         return ("All people saw one order, so that an order effect cannot be told apart.",)
     told = "; ".join(f"{test.groups[0]} against {test.groups[1]}, {apa(test)}" for test in order)
-    grouped = all(test.p is not None and test.p >= context.alpha for test in order)
+    grouped = all(test.p is None or test.p >= context.alpha for test in order)
     verdict = (
         "Neither is significant, so the orders were grouped and the methods compared over all "
         "people (the grouping of Wang 2005, IV.4.1)."
@@ -87,14 +89,19 @@ def _sentences(context: Context, question: Question, tests: list[RatingTest]) ->
     a, b = question.methods
     told = []
     for test in tests:
-        if test.test == "signed-rank, method":
+        if test.test == "signed-rank, method" and test.p is None:
+            told.append(
+                f"{sentence_case(question.name)} of {b} and of {a} do not differ: "
+                f"{apa(test)} {'person' if len(question.people) == 1 else 'people'}."
+            )
+        elif test.test == "signed-rank, method":
             where = test.groups[0].removesuffix(a).rstrip(": ")
             significant = test.p is not None and test.p < context.alpha
             higher = b if (test.effect_size or 0) > 0 else a
             told.append(
-                f"{sentence_case(question.name)} of {b} (M = {number(question.b.mean())}, "
-                f"SD = {number(_sd(question.b))}) and of {a} (M = {number(question.a.mean())}, "
-                f"SD = {number(_sd(question.a))})"
+                f"{sentence_case(question.name)} of {b} (M = {rounded(question.b.mean())}, "
+                f"SD = {rounded(_sd(question.b))}) and of {a} (M = {rounded(question.a.mean())}, "
+                f"SD = {rounded(_sd(question.a))})"
                 + (f", among people who saw {where}," if where else "")
                 + (
                     f" differed significantly, {higher} being rated higher"
@@ -117,7 +124,7 @@ def _sd(values: Any) -> float | None:
     return float(values.std(ddof=1)) if len(values) > 1 else None
 
 
-def _means(stem: str, question: Question) -> Table:
+def _means(stem: str, question: Question) -> ReportTable:
     rows = []
     for method, ratings in zip(question.methods, (question.a, question.b), strict=True):
         for name in ["all", *question.order_names]:
@@ -132,28 +139,28 @@ def _means(stem: str, question: Question) -> Table:
             "Method": data["method"],
             "Order": data["order"],
             "n": data["n"].map(str),
-            "Mean": data["mean"].map(number),
-            "SD": data["sd"].map(number),
-            "Median": data["median"].map(lambda v: number(v, 1)),
+            "Mean": data["mean"].map(rounded),
+            "SD": data["sd"].map(rounded),
+            "Median": data["median"].map(lambda v: rounded(v, 1)),
         }
     )
-    return Table(f"{stem}-means", f"Ratings of {question.name}.", data, shown)
+    return ReportTable(f"{stem}-means", f"Ratings of {question.name}.", data, shown)
 
 
-def _table(name: str, tests: list[RatingTest]) -> Table:
+def _table(name: str, tests: list[RatingTest]) -> ReportTable:
     data = pd.DataFrame([test.as_dict() for test in tests])
     shown = pd.DataFrame(
         {
             "Test": [test.test for test in tests],
             "Groups": [" / ".join(test.groups) for test in tests],
-            "Statistic": [number(test.statistic) for test in tests],
+            "Statistic": [rounded(test.statistic) for test in tests],
             "df": ["" if t.df is None else ", ".join(map(str, t.df)) for t in tests],
             "p": [p_value(test.p).removeprefix("p ").removeprefix("= ") for test in tests],
-            "Effect": [number(test.effect_size) for test in tests],
-            "95% interval": [f"{number(t.low)} to {number(t.high)}" for t in tests],
+            "Effect": [rounded(test.effect_size) for test in tests],
+            "95% interval": [f"{rounded(t.low)} to {rounded(t.high)}" for t in tests],
         }
     )
-    return Table(
+    return ReportTable(
         name,
         "All tests of this question.",
         data,
@@ -191,30 +198,32 @@ def _comparison_section(
         {
             "Comparison": [test.question for test in tests],
             "n": [str(test.more["people"]) for test in tests],
-            "Mean": [number(test.more["mean"]) for test in tests],
-            "Std. dev.": [number(test.more["sd"]) for test in tests],
-            "V": [number(test.statistic, 1) for test in tests],
+            "Mean": [rounded(test.more["mean"]) for test in tests],
+            "Std. dev.": [rounded(test.more["sd"]) for test in tests],
+            "V": [rounded(test.statistic, 1) for test in tests],
             "p": [p_value(test.p).removeprefix("p ").removeprefix("= ") for test in tests],
-            "Effect": [number(test.effect_size) for test in tests],
-            "95% interval": [f"{number(t.low)} to {number(t.high)}" for t in tests],
+            "Effect": [rounded(test.effect_size) for test in tests],
+            "95% interval": [f"{rounded(t.low)} to {rounded(t.high)}" for t in tests],
         }
     )
     told = tuple(
-        f"{sentence_case(test.question)}: M = {number(test.more['mean'])}, "
-        f"SD = {number(test.more['sd'])} on a scale from 0 to 4, "
+        f"{sentence_case(test.question)}: M = {rounded(test.more['mean'])}, "
+        f"SD = {rounded(test.more['sd'])} on a scale from 0 to 4, "
         + (
-            "which differs significantly from its midpoint"
+            "which nobody left"
+            if test.p is None
+            else "which differs significantly from its midpoint"
             if test.p is not None and test.p < context.alpha
             else "which does not differ significantly from its midpoint"
         )
-        + f" ({apa(test)}; {test.note})."
+        + (f" ({apa(test)})." if test.p is None else f" ({apa(test)}; {test.note}).")
         for test in tests
     )
     return Section(
         "Direct comparisons",
         findings=told,
         tables=(
-            Table(
+            ReportTable(
                 f"{context.stem}-comparisons",
                 "Ratings that compare the methods (as Table IV.3 of the dissertation).",
                 data,

@@ -7,8 +7,8 @@ import pandas as pd
 from analysis.bradley_terry import Strength
 from analysis.report.context import Context
 from analysis.report.draw import INK, LONGER, PALE, canvas, quiet_y, shorten
-from analysis.report.parts import Figure, Section, Table
-from analysis.report.words import interval, number
+from analysis.report.parts import Figure, ReportTable, Section
+from analysis.report.words import interval, rounded
 
 TITLE = "A scale of the methods"
 
@@ -24,15 +24,15 @@ def scale_section(context: Context, strengths: list[Strength] | None) -> Section
     best, last = strengths[0], strengths[-1]
     told = (
         f"On the Bradley-Terry scale (log odds, mean 0) {best.method} stands highest at "
-        f"{number(best.strength)}, {interval(best.low, best.high)}, and {last.method} lowest at "
-        f"{number(last.strength)}, {interval(last.low, last.high)} (people resampled)."
+        f"{rounded(best.strength)}, {interval(best.low, best.high)}, and {last.method} lowest at "
+        f"{rounded(last.strength)}, {interval(last.low, last.high)} (people resampled)."
     )
     data = pd.DataFrame([asdict(entry) for entry in strengths])
     shown = pd.DataFrame(
         {
             "Method": data["method"],
-            "Strength": data["strength"].map(number),
-            "95% interval": [f"{number(s.low)} to {number(s.high)}" for s in strengths],
+            "Strength": data["strength"].map(rounded),
+            "95% interval": [f"{rounded(s.low)} to {rounded(s.high)}" for s in strengths],
         }
     )
     stem = f"{context.stem}-scale"
@@ -41,7 +41,7 @@ def scale_section(context: Context, strengths: list[Strength] | None) -> Section
         TITLE,
         findings=(told,),
         figures=(_figure(stem, strengths),),
-        tables=(Table(stem, "Bradley-Terry strengths.", data, shown, note),),
+        tables=(ReportTable(stem, "Bradley-Terry strengths.", data, shown, note),),
     )
 
 

@@ -7,8 +7,8 @@ import pandas as pd
 
 from analysis.report.context import Context
 from analysis.report.draw import LONGER, canvas, plain_ticks
-from analysis.report.parts import Figure, Section, Table
-from analysis.report.words import count, listing, number
+from analysis.report.parts import Figure, ReportTable, Section
+from analysis.report.words import count, listing, rounded
 
 MOST_LATE = 20  # late frames with a bar of their own
 LINEAR_UP_TO = 10  # trials; above, the axis is logarithmic
@@ -18,23 +18,29 @@ MOST_FAULTS = 20  # malformed rows named on the page; report.json names them all
 def people_section(context: Context) -> Section:
     """Who took part, from participants.tsv where it was filled in."""
     table = context.study.participants
-    people = context.study.trials["participant"].astype(str).nunique()
+    recorded = len(context.screened.people) + len(context.screened.left_out)
     sessions = context.study.sessions
     unfinished = sum(session.sidecar.get("Finished") is False for session in sessions)
     observers = Counter(str(s.sidecar.get("Observer", "not recorded")) for s in sessions)
     text = [
-        f"{count(people, 'person', 'people')} took part in {count(len(sessions), 'session')} "
+        f"{count(recorded, 'person', 'people')} took part in {count(len(sessions), 'session')} "
         f"({listing([f'{n} {kind}' for kind, n in observers.items()])}"
         + (f"; {unfinished} unfinished" if unfinished else "")
         + ")."
     ]
+    if context.screened.left_out:
+        why = "; ".join(f"{person}: {reason}" for person, reason in context.screened.left_out)
+        text.append(
+            f"The answers of {len(context.screened.people)} are analysed; left out are "
+            f"{count(len(context.screened.left_out), 'person', 'people')} ({why})."
+        )
     if "age" in table:
         ages = pd.to_numeric(table["age"], errors="coerce").dropna()
         if len(ages):
-            spread = f", SD = {number(ages.std(), 1)}" if len(ages) > 1 else ""
+            spread = f", SD = {rounded(ages.std(), 1)}" if len(ages) > 1 else ""
             text.append(
                 f"Age was given by {len(ages)}: {ages.min():g} to {ages.max():g} years "
-                f"(M = {number(ages.mean(), 1)}{spread})."
+                f"(M = {rounded(ages.mean(), 1)}{spread})."
             )
     for column, words in (
         ("sex", "Sex"),
@@ -74,6 +80,7 @@ def exclusion_section(context: Context) -> Section:
     items += [
         f"{count(n, f'{kind} session')}, never pooled with others." for kind, n in apart.items()
     ]
+    items.extend(context.study.remarks)
     faults = context.study.faults
     items.extend(faults[:MOST_FAULTS])
     if len(faults) > MOST_FAULTS:
@@ -103,8 +110,8 @@ def timing_section(context: Context) -> Section:
     )
     if len(times):
         text.append(
-            f"The median answer came {number(times.median())} s after the last frame "
-            f"(middle half {number(times.quantile(0.25))} to {number(times.quantile(0.75))} s)."
+            f"The median answer came {rounded(times.median())} s after the last frame "
+            f"(middle half {rounded(times.quantile(0.25))} to {rounded(times.quantile(0.75))} s)."
         )
     if late.max() == 0:
         return Section("Frame timing", text=(" ".join(text),))
@@ -127,18 +134,18 @@ def _late_sentence(trials: pd.DataFrame, late: pd.Series) -> str:
     )
 
 
-def _late_table(stem: str, trials: pd.DataFrame) -> Table:
+def _late_table(stem: str, trials: pd.DataFrame) -> ReportTable:
     by_person = trials.groupby(trials["participant"].astype(str))["late_frames"]
     data = pd.DataFrame(
         {"trials": by_person.size(), "late": by_person.sum(), "worst": by_person.max()}
     ).reset_index(names="participant")
     counts = data.assign(**{name: data[name].map(_whole) for name in ("trials", "late", "worst")})
-    return Table(f"{stem}-timing", "Late frames by person.", data, counts)
+    return ReportTable(f"{stem}-timing", "Late frames by person.", data, counts)
 
 
 def _whole(value: float) -> str:
     """A count; a dash where none was recorded."""
-    return number(value, 0)
+    return rounded(value, 0)
 
 
 def _late_figure(stem: str, late: pd.Series) -> Figure:

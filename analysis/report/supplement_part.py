@@ -6,8 +6,8 @@ import pandas as pd
 
 from analysis.preferences import preference
 from analysis.report.context import Context
-from analysis.report.parts import Section, Table
-from analysis.report.words import interval, number, p_value, share, signed
+from analysis.report.parts import ReportTable, Section
+from analysis.report.words import interval, p_value, rounded, share, signed
 from analysis.supplements import Difference, Shown, Supplement
 from analysis.thresholds import ALL
 
@@ -24,21 +24,18 @@ def beside_section(context: Context, found: list[Supplement]) -> Section:
             "Motion": data["motion"],
             "By": data["method"],
             "Threshold": data["value"].map(signed),
-            "95% interval": [
-                f"{signed(low)} to {signed(high)}" if low == low else "–"
-                for low, high in zip(data["low"], data["high"], strict=True)
-            ],
+            "95% interval": data["ends"],
         }
     )
     findings = tuple(
-        f"The Weber fraction d/k of {entry.side} blends is {number(abs(entry.weber_fraction))}."
+        f"The Weber fraction d/k of {entry.side} blends is {rounded(abs(entry.weber_fraction))}."
         for entry in found
         if entry.motion == ALL and entry.weber_fraction is not None
     )
-    table = Table(
+    table = ReportTable(
         f"{context.stem}-beside",
         "The same trials by other methods (frames, signed).",
-        data,
+        data.drop(columns="ends"),
         shown,
         "Bias-reduced: Jeffreys’ penalty against the steepness that few or adaptive trials "
         "feign. Random threshold: all people at once, thresholds normal among them, with their "
@@ -54,23 +51,33 @@ def _rows(entry: Supplement) -> list[dict[str, Any]]:
     none = float("nan")
     rows = []
     if entry.bias_reduced:
-        value = {"value": entry.bias_reduced["value"], "low": none, "high": none}
+        value = {"value": entry.bias_reduced["value"], "low": none, "high": none, "ends": "–"}
         rows.append({**common, "method": "bias-reduced fit", **value})
     if entry.random_threshold:
         fit = entry.random_threshold
-        name = f"random threshold (SD {number(fit.sd)})"
-        rows.append(
-            {**common, "method": name, "value": fit.value, "low": fit.low, "high": fit.high}
-        )
+        name = f"random threshold (SD {rounded(fit['sd'])})"
+        rows.append({**common, "method": name, **_numbers(fit)})
     for told in entry.d_prime:
         name = f"d′ = 1, {told['rule']}"
-        ends = {key: none if told[key] is None else told[key] for key in ("value", "low", "high")}
-        rows.append({**common, "method": name, **ends})
+        rows.append({**common, "method": name, **_numbers(told)})
     if entry.second_opinion:
         other = entry.second_opinion
-        ends = {"value": other.value, "low": other.low, "high": other.high}
-        rows.append({**common, "method": other.method, **ends})
+        rows.append({**common, "method": other["method"], **_numbers(other)})
     return rows
+
+
+def _numbers(told: dict[str, Any]) -> dict[str, Any]:
+    """Value and ends, nan where there is none, and the ends in words."""
+    held = {
+        key: float("nan") if told[key] is None else told[key] for key in ("value", "low", "high")
+    }
+    words = [
+        str(told[f"{end}_reason"]).partition(",")[0]
+        if f"{end}_reason" in told
+        else signed(held[end])
+        for end in ("low", "high")
+    ]
+    return {**held, "ends": " to ".join(words) if held["value"] == held["value"] else "–"}
 
 
 def difference_section(
@@ -84,7 +91,7 @@ def difference_section(
             "Between": [test.between for test in tests],
             "Side": [test.side for test in tests],
             "Groups": [", ".join(test.groups) for test in tests],
-            "χ²": [number(test.test.statistic) for test in tests],
+            "χ²": [rounded(test.test.statistic) for test in tests],
             "df": [str(test.test.df) for test in tests],
             "p": [p_value(test.test.p).removeprefix("p ").removeprefix("= ") for test in tests],
         }
@@ -93,7 +100,7 @@ def difference_section(
         "Likelihood-ratio tests of one function against one for each group. They take trials as "
         "independent: where people differ, a p just below α is weak evidence."
     )
-    table = Table(
+    table = ReportTable(
         f"{stem or context.stem}-differences", "Is the function the same?", data, shown, note
     )
     return Section("Differences", findings=findings, tables=(table,))
@@ -105,7 +112,7 @@ def _difference(test: Difference, alpha: float) -> str:
     return (
         f"The psychometric functions{where} {'differ' if differ else 'do not differ'} "
         f"significantly between {test.between}, χ²({test.test.df}) = "
-        f"{number(test.test.statistic)}, {p_value(test.test.p)}."
+        f"{rounded(test.test.statistic)}, {p_value(test.test.p)}."
     )
 
 
@@ -129,12 +136,12 @@ def shown_section(context: Context, found: list[Shown]) -> Section:
             "Measure": data["measure"],
             "Side": data["side"],
             "Levels": data["levels"].map(str),
-            "Threshold": data["value"].map(lambda v: number(v, 4)),
+            "Threshold": data["value"].map(lambda v: rounded(v, 4)),
             "95% interval": [
-                f"{number(fit.threshold['low'], 4)} to {number(fit.threshold['high'], 4)}"
+                f"{rounded(fit.threshold['low'], 4)} to {rounded(fit.threshold['high'], 4)}"
                 for fit in found
             ],
-            "Gain": data["gain"].map(number),
+            "Gain": data["gain"].map(rounded),
         }
     )
     note = (
@@ -142,7 +149,7 @@ def shown_section(context: Context, found: list[Shown]) -> Section:
         "manifest, in its own unit. Gain: log likelihood above that of the fit to blend length on "
         "the same trials; a positive gain means that the measure says more than the length does."
     )
-    table = Table(f"{context.stem}-shown", "Thresholds in what was shown.", data, shown, note)
+    table = ReportTable(f"{context.stem}-shown", "Thresholds in what was shown.", data, shown, note)
     return Section("Against what was shown", tables=(table,))
 
 
@@ -153,7 +160,7 @@ def answer_bias_section(trials: pd.DataFrame) -> Section:
         answer = pd.to_numeric(trials["response"], errors="coerce").dropna()
         first = preference(int((answer == 1).sum()), len(answer))
         told.append(
-            f"The first pair was named in {number(first.percent, 1)}% of {first.n} answers, "
+            f"The first pair was named in {rounded(first.percent, 1)}% of {first.n} answers, "
             f"{interval(first.low, first.high, 1)}, {p_value(first.p)}."
         )
     for column, words in (("odd_pair", "the odd pair came {}"), ("odd_position", "{} in its pair")):

@@ -9,7 +9,7 @@ import pandas as pd
 from analysis.psychometric import Threshold
 from analysis.report.context import Context
 from analysis.report.draw import GRID, INK, PALE, SIDES, canvas, quiet_y, shorten
-from analysis.report.parts import Figure, Findings, Section, Table
+from analysis.report.parts import Figure, Findings, ReportTable, Section
 from analysis.report.supplement_part import (
     answer_bias_section,
     beside_section,
@@ -18,15 +18,15 @@ from analysis.report.supplement_part import (
 )
 from analysis.report.track_part import track_section
 from analysis.report.words import (
+    beyond,
     count,
-    number,
     p_value,
+    rounded,
     share,
     signed,
-    signed_interval,
 )
 from analysis.supplements import against_shown, differences, supplement
-from analysis.thresholds import ALL, Entry, entries, plan_of, prepared, signed_threshold
+from analysis.thresholds import ALL, Entry, entries, fit_plan_of, prepared, signed_threshold
 
 # Told as report.json tells them: nothing of a fit whose first threshold the verdict denies.
 OF_THE_FIT = ("slope", "lapse", "deviance", "deviance_p")
@@ -37,7 +37,7 @@ def report_odd_pair(context: Context) -> Findings:
     """Psychometric fits pooled, by motion and by person, and what stands beside them."""
     specification = str(context.table("stimuli").get("specification", ""))
     trials = prepared(context.screened.main, specification)
-    plan = plan_of(context.protocol, context.seed)
+    plan = fit_plan_of(context.protocol, context.seed)
     found = entries(trials, plan)
     beside = {
         id(entry): supplement(entry, trials, plan, context.second_opinion)
@@ -69,7 +69,7 @@ def report_odd_pair(context: Context) -> Findings:
     return Findings(tuple(sections), document)
 
 
-def sentence(entry: Entry, number_of: int = 0) -> str:
+def threshold_sentence(entry: Entry, number_of: int = 0) -> str:
     """One threshold in APA style, or why there is none."""
     threshold, verdict = signed_threshold(entry, number_of), entry.summary.verdicts[number_of]
     where = "" if entry.motion == ALL else f" of {entry.motion}"
@@ -84,9 +84,19 @@ def sentence(entry: Entry, number_of: int = 0) -> str:
     return (
         f"{words} the two pairs were told apart at a proportion of {share(threshold.at)} when the "
         f"blend differed by {signed(threshold.value)} frames, "
-        f"{signed_interval(threshold.low, threshold.high)} ({fit.interval_method}); "
-        f"{fit.function} function, slope {number(fit.slope)}, lapse rate {share(fit.lapse, 3)}, "
-        f"deviance {number(fit.deviance)}, simulated {p_value(fit.deviance_p)}."
+        f"95% CI [{', '.join(ends_in_words(threshold))}] ({fit.interval_method}); "
+        f"{fit.function} function, slope {rounded(fit.slope)}, lapse rate {share(fit.lapse, 3)}"
+        f"{' (at its bound)' if fit.note else ''}, "
+        f"deviance {rounded(fit.deviance)}, simulated {p_value(fit.deviance_p)}."
+    )
+
+
+def ends_in_words(threshold: Threshold) -> tuple[str, str]:
+    """Both ends of a signed threshold: numbers within the levels shown, else “beyond −8”."""
+    low, high = threshold.beyond_low, threshold.beyond_high
+    return (
+        signed(threshold.low) if low is None else beyond(low),
+        signed(threshold.high) if high is None else beyond(high),
     )
 
 
@@ -96,13 +106,13 @@ def _pooled_section(context: Context, specification: str, found: list[Entry]) ->
     stem = f"{context.stem}-{specification or 'thresholds'}"
     return Section(
         f"Thresholds of {specification} transitions" if specification else "Thresholds",
-        findings=tuple(sentence(entry) for entry in whole),
+        findings=tuple(threshold_sentence(entry) for entry in whole),
         figures=(_curves(stem, whole),),
         tables=(_table(f"{stem}-thresholds", pooled),),
     )
 
 
-def _table(name: str, found: list[Entry]) -> Table:
+def _table(name: str, found: list[Entry]) -> ReportTable:
     rows = [
         {
             "side": entry.side,
@@ -113,8 +123,9 @@ def _table(name: str, found: list[Entry]) -> Table:
             "n": entry.summary.trials,
             "at": threshold.at,
             "value": value.value,
-            "low": value.low,
-            "high": value.high,
+            "low": value.low if value.beyond_low is None else float("nan"),
+            "high": value.high if value.beyond_high is None else float("nan"),
+            "ends": " to ".join(ends_in_words(value)) if verdict == "ok" else "–",
             **{name: told[name] for name in OF_THE_FIT},
             "stop_level": entry.staircase["stop_level"],
             "reversal_mean": entry.staircase["reversal_mean"],
@@ -133,13 +144,14 @@ def _table(name: str, found: list[Entry]) -> Table:
     data.loc[data["verdict"] != "ok", ["value", "low", "high"]] = np.nan
     for column in ("value", "low", "high"):
         data.loc[~np.isfinite(data[column]), column] = np.nan
-    return Table(
+    return ReportTable(
         name,
         "Thresholds in frames of blend length beyond the reference (signed).",
-        data,
+        data.drop(columns="ends"),
         _shown(data),
         "“Most visited” is the level answered most often, “reversals” the mean at the track's "
-        "turns; both are means over tracks. A dash: not identifiable, or no bound.",
+        "turns; both are means over tracks. A dash: not identifiable. “Beyond”: the interval "
+        "reaches past the last level shown, where these answers say nothing.",
     )
 
 
@@ -155,11 +167,8 @@ def _shown(data: pd.DataFrame) -> pd.DataFrame:
             "Trials": data["n"].map(str),
             "At": data["at"].map(share),
             "Threshold": data["value"].map(signed),
-            "95% interval": [
-                f"{signed(low)} to {signed(high)}" if low == low or high == high else "–"
-                for low, high in zip(data["low"], data["high"], strict=True)
-            ],
-            "Slope": data["slope"].map(number),
+            "95% interval": data["ends"],
+            "Slope": data["slope"].map(rounded),
             "Deviance p": data["deviance_p"].map(lambda p: share(p, 3)),
             "Most visited": data["stop_level"].map(signed),
             "Reversals": data["reversal_mean"].map(signed),
@@ -204,7 +213,8 @@ def _side(axis: Any, entry: Entry) -> None:
 
 def _interval(axis: Any, threshold: Threshold, colour: str) -> None:
     y = threshold.at
-    low, high = np.clip([threshold.low, threshold.high], -1e3, 1e3)
+    low = np.clip(threshold.low, threshold.least, threshold.most)
+    high = np.clip(threshold.high, threshold.least, threshold.most)
     axis.plot([low, high], [y, y], color=INK, linewidth=1.2, solid_capstyle="butt", zorder=4)
     axis.plot([threshold.value], [y], "o", color=colour, mec=INK, ms=5, zorder=5)
 
@@ -231,7 +241,8 @@ def _people_figure(stem: str, known: list[Entry]) -> Figure:
         for entry in known:
             threshold = signed_threshold(entry)
             place = names.index(entry.participant)
-            ends = np.clip([threshold.low, threshold.high], -edge, edge)
+            shown = (threshold.least, threshold.most)
+            ends = np.clip([threshold.low, threshold.high], *shown)
             axis.plot(ends, [place, place], color=SIDES[entry.side], linewidth=1, alpha=0.6)
             axis.plot([threshold.value], [place], "o", color=SIDES[entry.side], ms=4.5)
         axis.set_yticks(range(len(names)), shorten(names))

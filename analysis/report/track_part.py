@@ -9,7 +9,7 @@ from analysis.report.context import Context
 from analysis.report.draw import GRID, SIDES, canvas
 from analysis.report.parts import Figure, Section
 from analysis.report.words import count
-from analysis.tracks import Track, tracks
+from analysis.tracks import AnsweredTrack, tracks
 
 SHOWN = 24  # people whose tracks are drawn; the tables hold them all
 
@@ -45,7 +45,7 @@ def _at_the_edge(context: Context) -> int:
     )
 
 
-def _figure(context: Context, found: list[Track], people: list[str]) -> Figure:
+def _figure(context: Context, found: list[AnsweredTrack], people: list[str]) -> Figure:
     shown = people[:SHOWN]
     columns = min(3, len(shown))
     rows = -(-len(shown) // columns)
@@ -75,7 +75,7 @@ def _figure(context: Context, found: list[Track], people: list[str]) -> Figure:
     )
 
 
-def _draw(axis: Any, own: list[Track], side: str) -> None:
+def _draw(axis: Any, own: list[AnsweredTrack], side: str) -> None:
     """All tracks of one person and side: joined by gaps, so that few artists are drawn."""
     if not own:
         return

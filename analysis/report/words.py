@@ -7,7 +7,7 @@ import numpy as np
 MINUS = "−"
 
 
-def number(value: float | None, digits: int = 2) -> str:
+def rounded(value: float | None, digits: int = 2) -> str:
     """A number with a true minus sign; an en dash where there is none."""
     if value is None or not np.isfinite(value):
         return "–"
@@ -17,13 +17,13 @@ def number(value: float | None, digits: int = 2) -> str:
 
 def signed(value: float | None, digits: int = 1) -> str:
     """A number that shows its sign either way."""
-    text = number(value, digits)
+    text = rounded(value, digits)
     return text if value is None or not np.isfinite(value) or value <= 0 else f"+{text}"
 
 
 def share(value: float | None, digits: int = 2) -> str:
     """A number that cannot exceed one, without its leading zero."""
-    return number(value, digits).replace("0.", ".", 1) if value is not None else "–"
+    return rounded(value, digits).replace("0.", ".", 1) if value is not None else "–"
 
 
 def p_value(p: float | None) -> str:
@@ -35,11 +35,16 @@ def p_value(p: float | None) -> str:
 
 def interval(low: float | None, high: float | None, digits: int = 2) -> str:
     """`95% CI [low, high]`."""
-    return f"95% CI [{number(low, digits)}, {number(high, digits)}]"
+    return f"95% CI [{rounded(low, digits)}, {rounded(high, digits)}]"
 
 
 def signed_interval(low: float | None, high: float | None, digits: int = 1) -> str:
     return f"95% CI [{signed(low, digits)}, {signed(high, digits)}]"
+
+
+def beyond(level: float) -> str:
+    """An end that lies beyond the last level shown, signed: `beyond −8`, `beyond +12`."""
+    return f"beyond {f'{level:+.10g}'.replace('-', MINUS)}"
 
 
 def listing(names: Sequence[str]) -> str:

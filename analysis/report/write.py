@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from analysis.errors import InputError
+from analysis.errors import InputError, NothingAnalysed
 from analysis.files import write_atomic
 from analysis.record import read
 from analysis.report.across import across, document_of
@@ -25,7 +25,7 @@ from analysis.report.threshold_part import report_odd_pair
 from analysis.report.words import count
 from analysis.screening import screen
 
-TASKS: dict[str, Report] = {
+_ANALYSES: dict[str, Report] = {
     "odd-pair": report_odd_pair,
     "preference": report_preference,
     "rating": report_rating,
@@ -60,17 +60,23 @@ class Written:
 
 
 def write_report(
-    data: list[Path], out: Path | None = None, seed: int = 0, second_opinion: bool = False
+    data: list[Path],
+    out: Path | None = None,
+    seed: int = 0,
+    second_opinion: bool = False,
+    columns: dict[str, str] | None = None,
 ) -> Written:
     """Read every record below `data` and write the report into `out`.
 
-    `out` defaults to `derivatives/segue` in the first of `data`. Raises InputError when no
-    record is found.
+    `out` defaults to `derivatives/segue` in the first of `data`; `columns` gives the tables' own
+    names for columns of ours. Raises InputError when no record is found, and NothingAnalysed
+    when no trial of those found can be analysed.
     """
-    studies, notes = read(data)
+    studies, notes = read(data, columns)
     out = out or (data[0] if data[0].is_dir() else data[0].parent) / "derivatives" / "segue"
     known = certificates(data)
     contexts = [Context(study, screen(study), seed, second_opinion, known) for study in studies]
+    _check_any(contexts)
     reports = [report_of(context) for context in contexts]
     tests, section = across(contexts)
     document = {
@@ -85,8 +91,27 @@ def write_report(
     text = json.dumps(clean(document), indent=2, ensure_ascii=False, allow_nan=False)
     write_atomic(out / "report.json", text + "\n")
     page = out / "report.html"
-    write_atomic(page, render(reports, notes))
+    write_atomic(page, page_of(reports, notes))
     return Written(page, document)
+
+
+def _check_any(contexts: list[Context]) -> None:
+    """Raise NothingAnalysed, with the first reasons, where no study has a trial that counts."""
+    if any(len(context.screened.main) for context in contexts):
+        return
+    studies = [context.study for context in contexts]
+    told = [line for study in studies for line in (*study.faults, *study.remarks)]
+    rules = [
+        f"{exclusion.rule}: {count(exclusion.trials, 'trial')}"
+        for context in contexts
+        for exclusion in context.screened.exclusions
+        if exclusion.trials
+    ]
+    why = (told + rules)[:1] or ["the tables hold no row of an answered main trial"]
+    raise NothingAnalysed(
+        f"{', '.join(study.name for study in studies)}: expected trials to analyse, found none.\n"
+        f"{why[0]}"
+    )
 
 
 def _write_parts(report: StudyReport, out: Path) -> None:
@@ -142,7 +167,11 @@ def _document(context: Context, findings: Findings) -> dict[str, Any]:
     return {
         "protocol": study.name,
         "task": study.task,
-        "participants": int(study.trials["participant"].astype(str).nunique()),
+        "participants": len(screened.people),
+        "participants_recorded": len(screened.people) + len(screened.left_out),
+        "participants_left_out": [
+            {"participant": person, "reason": reason} for person, reason in screened.left_out
+        ],
         "trials": len(screened.main),
         "excluded": screened.excluded,
         "exclusions": [
@@ -155,7 +184,8 @@ def _document(context: Context, findings: Findings) -> dict[str, Any]:
         ],
         "rehearsal": study.rehearsal,
         "rehearsals_left_out": len(study.set_aside),
-        "faults": list(study.faults),
+        "faults": [*study.faults, *study.remarks],
+        "remarks": list(study.remarks),
         "comparisons": [],
         "ratings": [],
         "psychometric": [],
@@ -170,7 +200,7 @@ def _document(context: Context, findings: Findings) -> dict[str, Any]:
 def _findings(context: Context) -> Findings:
     """The task's analysis; one that the records do not allow is named, and the rest goes on."""
     try:
-        return TASKS[context.study.task](context)
+        return _ANALYSES[context.study.task](context)
     except InputError as error:
         why = f"These records cannot be analysed: {error}"
         return Findings((Section("Results", text=(why,)),), {"error": str(error)})
@@ -196,7 +226,7 @@ def _warnings(context: Context) -> tuple[str, ...]:
     return tuple(told)
 
 
-def render(reports: list[StudyReport], notes: list[str]) -> str:
+def page_of(reports: list[StudyReport], notes: list[str]) -> str:
     """The page; everything but the drawings made here is escaped."""
     from jinja2 import Environment, PackageLoader
     from markupsafe import Markup

@@ -4,7 +4,7 @@ A `Clip` is one file brought to Segue's conventions: metres, +Y up, 30 frames a 
 quaternions (w, x, y, z), joints known by their anatomical roles. Everything here is plain NumPy.
 """
 
-from stimuli.motion.clip import Clip, load
+from stimuli.motion.clip import Clip, load_clip
 from stimuli.motion.kinematics import end_positions, forward, heading
 from stimuli.motion.library import Library, motion_directories, user_library
 from stimuli.motion.loops import unroll
@@ -22,7 +22,7 @@ __all__ = [
     "fetch",
     "forward",
     "heading",
-    "load",
+    "load_clip",
     "motion_directories",
     "unroll",
     "user_library",

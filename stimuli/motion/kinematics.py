@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from stimuli.compiled import worth_loading
 from stimuli.motion import quaternions as quat
-from stimuli.motion.compiled import worth_loading
 from stimuli.motion.quaternions import Array
 from stimuli.motion.skeleton import Motion, Skeleton
 

@@ -3,7 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
-from stimuli.motion.compiled import inlined, kept
+from stimuli.compiled import compiled, inlined
 from stimuli.motion.quaternions import Array
 
 
@@ -27,7 +27,7 @@ def _reached(start: Array, q: Array, bone: Array, end: Array) -> None:
     end[2] = start[2] + bone[2] + q[0] * z + q[1] * y - q[2] * x
 
 
-@kept
+@compiled(nogil=True)
 def follow(
     rotations: Array,
     root: Array,

@@ -8,7 +8,7 @@ from functools import cached_property
 from pathlib import Path
 
 from stimuli.errors import InputError
-from stimuli.motion.clip import Clip, load
+from stimuli.motion.clip import Clip, load_clip
 from stimuli.motion.formats import READERS
 from stimuli.motion.formats.amass import is_amass
 from stimuli.motion.overrides import OVERRIDES
@@ -82,7 +82,7 @@ class Library:
         path = self.find(name)
         key = path.resolve()
         if key not in self._clips:
-            self._clips[key] = self._sharing(load(path))
+            self._clips[key] = self._sharing(load_clip(path))
         return self._clips[key]
 
     def _sharing(self, clip: Clip) -> Clip:

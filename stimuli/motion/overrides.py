@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from stimuli.errors import InputError, InputWarning
-from stimuli.motion.axes import UPRIGHT
+from stimuli.motion.axes import TO_Y_UP
 from stimuli.motion.formats.rates import FASTEST, SLOWEST, is_rate
 from stimuli.motion.roles import ROLES
 
@@ -159,8 +159,8 @@ def _check_scale(place: str, value: Any) -> list[str]:
 
 
 def _check_up(place: str, value: Any) -> list[str]:
-    fits = isinstance(value, str) and value in (AUTO, *UPRIGHT)
-    return [] if fits else [_unlike(place, f"auto or {' or '.join(UPRIGHT)}", value)]
+    fits = isinstance(value, str) and value in (AUTO, *TO_Y_UP)
+    return [] if fits else [_unlike(place, f"auto or {' or '.join(TO_Y_UP)}", value)]
 
 
 def _check_fps(place: str, value: Any) -> list[str]:

@@ -23,7 +23,7 @@ ROLES = (
 )  # fmt: skip
 Convention = Mapping[str, str]  # what a name says but for its side → part
 
-TRUNK: Convention = {
+TRUNK_NAMES: Convention = {
     **dict.fromkeys(
         ("hips", "pelvis", "hip", "root", "lowertorso", "下半身", "センター"), "pelvis"
     ),
@@ -31,14 +31,15 @@ TRUNK: Convention = {
     **dict.fromkeys(("head", "face", "skull", "頭"), "head"),
 }
 _CLAVICLE = dict.fromkeys(("clavicle", "collar", "collarbone", "scapula"), "clavicle")
-ARMS: Mapping[str, Convention] = {
+ARMS_NAMES: Mapping[str, Convention] = {
     # MotionBuilder, Mixamo, Xsens, Unreal, Blender, Biped, OptiTrack, iClone, GENEA, Bandai-Namco
     "segments": _CLAVICLE | {
         "shoulder": "clavicle",
         "upperarm": "shoulder", "uparm": "shoulder", "uarm": "shoulder", "arm": "shoulder",
-        "shldr": "shoulder", "shldrbend": "shoulder", "bicep": "shoulder",
+        "shldr": "shoulder", "shldrbend": "shoulder", "armstretch": "shoulder",
         "lowerarm": "elbow", "forearm": "elbow", "farm": "elbow", "larm": "elbow",
-        "forearmbend": "elbow", "loarm": "elbow", "hand": "wrist", "wrist": "wrist",
+        "forearmbend": "elbow", "lowarm": "elbow", "forearmstretch": "elbow",
+        "hand": "wrist", "wrist": "wrist",
     },
     # Biovision, 3ds Max, SMPL, DeepMimic, Kinect, Second Life, Advanced Skeleton
     "joints": _CLAVICLE | {
@@ -50,11 +51,12 @@ ARMS: Mapping[str, Convention] = {
     },
     "MikuMikuDance": {"肩": "clavicle", "腕": "shoulder", "ひじ": "elbow", "手首": "wrist"},
 }  # fmt: skip
-LEGS: Mapping[str, Convention] = {
+LEGS_NAMES: Mapping[str, Convention] = {
     "segments": {
         "upleg": "hip", "upperleg": "hip", "thigh": "hip", "uleg": "hip", "thighbend": "hip",
+        "thighstretch": "hip", "legstretch": "knee",
         "leg": "knee", "lowerleg": "knee", "shin": "knee", "calf": "knee", "shank": "knee",
-        "lleg": "knee", "loleg": "knee", "knee": "knee", "foot": "ankle", "ankle": "ankle",
+        "lleg": "knee", "lowleg": "knee", "knee": "knee", "foot": "ankle", "ankle": "ankle",
         "toe": "toe", "toes": "toe", "toebase": "toe", "ball": "toe", "forefoot": "toe",
         "toe11": "toe",
     },
@@ -78,10 +80,15 @@ _SIDED = (  # patterns of (side, core) on names without what they all share, tri
     re.compile(r"(?P<core>.+)[_ .-](?P<side>[LR])", re.IGNORECASE),
     re.compile(r"(?P<side>[lrLR])(?P<core>[A-Z].*)"),
     re.compile(r"(?P<core>.*[a-z0-9])(?P<side>[LR])"),
-    re.compile(r"(?P<side>[lr])(?P<core>clavicle|humerus|radius|hand|femur|tibia|foot|toes)"),
+    re.compile(
+        r"(?P<side>[lr])(?P<core>clavicle|collar|shoulder|humerus|radius|elbow|wrist|hand|uparm|"
+        r"upperarm|forearm|lowerarm|lowarm|arm|hip|femur|thigh|knee|tibia|shin|shank|calf|upleg|"
+        r"upperleg|lowerleg|lowleg|leg|ankle|foot|toes?)",
+        re.IGNORECASE,
+    ),
 )
 _LEFT = ("l", "L", "左")
-_MIDDLE = re.compile(r"^(C|M|Center|Mid)[_ .-]|[_ .-](C|M)$")
+_MIDDLE = re.compile(r"^(C|M|Center|Mid)[_ .-]|[_ .-](C|M|x)$")
 _OF_MAKERS = re.compile(r"^(.*[:|]|mixamorig\d*_?|Bip\d+[_ ]|Character\d*_)")
 _PARTED = re.compile(r"[_ .-]")
 _SHARED = 0.8  # of all names: what so many begin or end with says nothing
@@ -101,8 +108,8 @@ def resolve_roles(
     `rotations` (F, J, 4) tell which joint of the trunk moves.
     """
     read = [_side_and_core(name) for name in bare_names(names)]
-    roles = _read(read, TRUNK, sided=False)
-    for conventions in (ARMS, LEGS):
+    roles = _read(read, TRUNK_NAMES, sided=False)
+    for conventions in (ARMS_NAMES, LEGS_NAMES):
         limbs = [_read(read, convention, sided=True) for convention in conventions.values()]
         fullest: dict[str, int] = max(limbs, key=len)
         roles |= fullest

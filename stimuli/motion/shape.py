@@ -2,8 +2,9 @@
 
 A body has two pairs of limbs that are alike on either side: legs, the longer, and arms. The two
 longest bones in a row of a limb are thigh and shank, or upper arm and forearm. Between the pairs
-lies the trunk; what else hangs on its upper end is the neck. Left and right follow from where the
-feet point in rest or, where the rest pose does not stand, in the first frame.
+lies the trunk; what else hangs on its upper end is the neck. Which leg is the left one follows from
+where the feet point in rest or, where the rest pose does not stand, in the first frame; which arm,
+from which leg it is above as the body moves.
 """
 
 from collections.abc import Iterator, Mapping
@@ -18,7 +19,9 @@ from stimuli.motion.roles import ROLES, chain_to, trunk_roles
 from stimuli.motion.skeleton import Skeleton, children_of
 
 _ALIKE = 0.1  # limbs whose lengths differ by less, in proportion, are a pair
-_EVEN = 0.6  # of two bones in a row, the shorter is at least so much of the longer
+_EVEN = 0.4  # of two bones in a row, the shorter is at least so much of the longer
+_SHORTER = 0.8  # of a clavicle and an upper arm, as much as the arm itself has at the least
+_MOST_FRAMES = 50  # that are asked for the side of an arm
 _PARTS = {"leg": ("hip", "knee", "ankle", "toe"), "arm": ("shoulder", "elbow", "wrist")}
 
 
@@ -42,8 +45,7 @@ def shape_roles(skeleton: Skeleton, rotations: Array, known: Mapping[str, int]) 
         return {}
     legs, arms = pairs
     found = _limbs(tree, legs, "leg") | _limbs(tree, arms, "arm") | _head(tree, legs, arms)
-    if "left_ankle" in found and "head" in found:
-        found = _sided(skeleton, rotations, found, known)
+    found = _sided(skeleton, rotations, found, known)
     found |= trunk_roles(found | dict(known), skeleton.parents, rotations)
     taken = set(known.values())
     fitting = {r: j for r, j in found.items() if r not in known and j not in taken}
@@ -123,18 +125,22 @@ def _pairs(tree: _Tree) -> Iterator[_Pair]:
 def _span(tree: _Tree, chain: tuple[int, ...]) -> tuple[int, float] | None:
     """Where in a limb its two long bones begin, and how long they are together.
 
-    Of all two bones in a row that are about even: the two that are longest.
+    Of all two bones in a row that are about even: the two that are longest. But where these are the
+    first two and the next two are hardly shorter, the first is a clavicle.
     """
     bones = [*(float(tree.lengths[joint]) for joint in chain[1:]), float(tree.tips[chain[-1]])]
-    spans = [
-        (one + other, place)
+    spans = {
+        place: one + other
         for place, (one, other) in enumerate(pairwise(bones))
-        if min(one, other) > _EVEN * max(one, other) > 0
-    ]
+        if min(one, other) > _EVEN * max(one, other)
+    }
     if not spans:
         return None
-    length, place = max(spans, key=lambda span: span[0])
-    return place, length
+    place = max(spans, key=lambda place: spans[place])
+    within = 1 in spans and len(bones) > 3  # the second two end at a joint
+    if place == 0 and within and spans[1] > _SHORTER * spans[0]:
+        place = 1
+    return place, spans[place]
 
 
 def _limbs(tree: _Tree, pair: _Pair, kind: str) -> dict[str, int]:
@@ -168,25 +174,55 @@ def _head(tree: _Tree, legs: _Pair, arms: _Pair) -> dict[str, int]:
         if len(tree.children[joint]) > 1:  # eyes and jaw
             chain = chain[: place + 1]
             break
-    if len(chain) > 2 and tree.reach[chain[-1]] == 0:  # the top of the head as a joint
-        chain.pop()
+    top = chain[-1]
+    if len(chain) > 2 and tree.reach[top] == 0 and tree.lengths[top] > tree.lengths[chain[-2]]:
+        chain.pop()  # the top of the head as a joint
     return {"neck": chain[0], "head": chain[-1]} if len(chain) > 1 else {"head": chain[0]}
 
 
 def _sided(
     skeleton: Skeleton, rotations: Array, found: dict[str, int], known: Mapping[str, int]
 ) -> dict[str, int]:
-    """The roles with left and right as the names have them, or else as the body faces."""
-    other = {role: _other_side(role) for role in found}
-    agree = sum(known.get(role) == joint for role, joint in found.items())
-    against = sum(known.get(other[role]) == joint for role, joint in found.items() if "_" in role)
-    if agree == against:
-        for kind in ("hip", "shoulder"):
-            if f"left_{kind}" in found and not _faces(skeleton, rotations, found, kind):
-                swapped = [r for r in found if r.split("_")[-1] in _LIMBS_OF[kind]]
-                found = found | {other[role]: found[role] for role in swapped}
-        return found
-    return {other[role]: joint for role, joint in found.items()} if against > agree else found
+    """The roles with left and right as the names have them, or else as the body faces.
+
+    Arms are on the side of the legs below them. Where nothing tells, no role that has a side.
+    """
+    legs, arms = (_agreement(found, known, kind) for kind in ("hip", "shoulder"))
+    if not legs and {"left_ankle", "right_ankle", "head"} <= found.keys():
+        legs = 1 if _faces(skeleton, rotations, found) else -1
+    if legs < 0:
+        found = found | _swapped(found, "hip")
+    if not arms and legs and "left_shoulder" in found:
+        arms = 1 if _above(skeleton, rotations, found) else -1
+    if arms < 0:
+        found = found | _swapped(found, "shoulder")
+    untold = {*([] if legs else _LIMBS_OF["hip"]), *([] if arms else _LIMBS_OF["shoulder"])}
+    return {role: joint for role, joint in found.items() if role.split("_")[-1] not in untold}
+
+
+def _agreement(found: Mapping[str, int], known: Mapping[str, int], kind: str) -> int:
+    """Above 0 if names have the legs or arms on the sides found, below if on the others."""
+    roles = [role for role in found if role.split("_")[-1] in _LIMBS_OF[kind]]
+    agree = sum(known.get(role) == found[role] for role in roles)
+    return agree - sum(known.get(_other_side(role)) == found[role] for role in roles)
+
+
+def _swapped(found: Mapping[str, int], kind: str) -> dict[str, int]:
+    """The roles of legs or arms with left and right changed."""
+    return {_other_side(r): j for r, j in found.items() if r.split("_")[-1] in _LIMBS_OF[kind]}
+
+
+def _above(skeleton: Skeleton, rotations: Array, roles: Mapping[str, int]) -> bool:
+    """Whether the left arm is above the left leg, in most of some frames."""
+    from stimuli.motion.kinematics import forward
+
+    some = rotations[:: max(1, len(rotations) // _MOST_FRAMES)]
+    places, _ = forward(skeleton, some, np.zeros((len(some), 3)))
+    hips, shoulders = (
+        places[:, roles[f"left_{part}"]] - places[:, roles[f"right_{part}"]]
+        for part in ("hip", "shoulder")
+    )
+    return bool(np.sum(np.sign(np.vecdot(hips, shoulders))) >= 0)
 
 
 _LIMBS_OF = {
@@ -200,8 +236,8 @@ def _other_side(role: str) -> str:
     return f"{ {'left': 'right', 'right': 'left'}[side] }_{part}" if part else role
 
 
-def _faces(skeleton: Skeleton, rotations: Array, roles: Mapping[str, int], kind: str) -> bool:
-    """Whether the limb called left is on the left of a body that looks where its feet point."""
+def _faces(skeleton: Skeleton, rotations: Array, roles: Mapping[str, int]) -> bool:
+    """Whether the leg called left is on the left of a body that looks where its feet point."""
     from stimuli.motion.kinematics import end_positions, forward
 
     still = np.tile(quat.IDENTITY, (len(skeleton), 1))
@@ -228,7 +264,7 @@ def _faces(skeleton: Skeleton, rotations: Array, roles: Mapping[str, int], kind:
     left = quat.cross(up, ahead - up * (up @ ahead))
     if np.linalg.norm(left) < 0.01 * _height(skeleton, roles):
         left = np.array([1.0, 0.0, 0.0])  # no feet to be seen: it faces +Z, as most do in rest
-    across = places[roles[f"left_{kind}"]] - places[roles[f"right_{kind}"]]
+    across = places[roles["left_hip"]] - places[roles["right_hip"]]
     return bool(across @ left > 0)
 
 

@@ -13,14 +13,16 @@ import numpy as np
 
 from stimuli.files import write_atomic
 from stimuli.motion import quaternions as quat
-from stimuli.motion.clip import load
-from stimuli.motion.formats.deepmimic import NAMES, OFFSETS
+from stimuli.motion.clip import load_clip
+from stimuli.motion.formats.deepmimic import JOINT_NAMES, OFFSETS
 from stimuli.motion.quaternions import Array
 from stimuli.motion.skeleton import Motion
 
-NAME = "generated-walker"
+CLIP_NAME = "generated-walker"
 _FPS = 30
-_THIGH, _SHANK = (float(-OFFSETS[NAMES.index(name), 1]) for name in ("left_knee", "left_ankle"))
+_THIGH, _SHANK = (
+    float(-OFFSETS[JOINT_NAMES.index(name), 1]) for name in ("left_knee", "left_ankle")
+)
 _HEEL, _TOE, _SOLE = -0.0435, 0.1335, -0.05  # of the foot box, from the ankle
 _STANCE = 0.62  # share of a foot's cycle on the floor
 _PITCH = (  # (phase, degrees toe up): heel strike, flat, heel off, toe off, swing
@@ -43,7 +45,7 @@ def walker(seed: int = 0) -> Motion:
     from tempfile import TemporaryDirectory
 
     with TemporaryDirectory(prefix="segue-") as directory:
-        return load(write_walker(Path(directory), seed)).motion
+        return load_clip(write_walker(Path(directory), seed)).motion
 
 
 def write_walker(directory: Path, seed: int = 0) -> Path:
@@ -53,7 +55,7 @@ def write_walker(directory: Path, seed: int = 0) -> Path:
         "Note": f"generated, not captured: Segue's walker of seed {seed}",
         "Frames": [[round(float(value), 9) for value in row] for row in _table(_gait(seed))],
     }
-    path = Path(directory) / f"{NAME}-{seed}.json"
+    path = Path(directory) / f"{CLIP_NAME}-{seed}.json"
     write_atomic(path, json.dumps(document))
     return path
 
@@ -81,7 +83,7 @@ def _table(gait: _Gait) -> Array:
     )
     feet = {"right": _foot(phase, gait), "left": _foot(phase + 0.5, gait)}
     feet["left"][0][:, 0] -= 0.5 * gait.stride
-    across = OFFSETS[NAMES.index("right_hip")]
+    across = OFFSETS[JOINT_NAMES.index("right_hip")]
     root = np.zeros((len(phase), 3))
     root[:, 0] = gait.stride * (phase - 0.22)
     root[:, 1] = 0.012 * np.cos(2 * swing - 2.4)

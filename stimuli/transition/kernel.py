@@ -45,7 +45,7 @@ def _compiled() -> Callable[..., Any]:
 
     from stimuli.compiled import compiled
 
-    @compiled(parallel=True, fastmath=True, error_model="numpy")
+    @compiled(parallel=True, fastmath=True)
     def fill(p: Single, q: Single, c: Single, total: Single) -> None:
         zero = np.float32(0.0)
         for i in numba.prange(p.shape[0]):

@@ -90,7 +90,7 @@ def _compiled() -> Callable[..., Any]:
 
     from stimuli.compiled import compiled
 
-    @compiled(parallel=True, error_model="numpy")
+    @compiled(parallel=True)
     def fill(sums: Array, pieces: np.ndarray, tie: float, frames: np.ndarray, least: Array) -> None:
         height, width = frames.shape
         for i in numba.prange(height):

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from study.cli.common import add_motions_option, print_json, progress
 
 if TYPE_CHECKING:
-    from study.cli.designs import Job
+    from study.cli.designs import SimulatedStudy
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -34,7 +34,7 @@ def run(args: argparse.Namespace) -> int:
 
     from stimuli.errors import InputError
     from stimuli.motion import Library, motion_directories
-    from study.cli.designs import Job, Options, certificate
+    from study.cli.designs import Options, SimulatedStudy, certificate
     from study.protocol.sets import references
     from study.trials.reading import load_protocol
 
@@ -45,11 +45,11 @@ def run(args: argparse.Namespace) -> int:
     people = args.participants or protocol.file.participants
     lengths = references(protocol, Library(motion_directories(args.motions)), args.set_name)
     jobs = [
-        Job(dict(protocol.document), lengths, args.seed * 100_003 + n, people)
+        SimulatedStudy(dict(protocol.document), lengths, args.seed * 100_003 + n, people)
         for n in range(args.sets)
     ]
     studies = _all(jobs, args.workers)
-    options = Options(args.seed, tuple(args.effect or ()), args.stimuli)
+    options = Options(args.seed, tuple(args.effect or ()), args.stimuli, args.workers)
     created = datetime.now(UTC).isoformat(timespec="seconds")
     entry = certificate(protocol, lengths, studies, people, options) | {"created": created}
     _write(args.out, protocol.hash, entry)
@@ -73,7 +73,7 @@ def _check_effects(effects: list[float], task: str) -> None:
             )
 
 
-def _all(jobs: "list[Job]", workers: int | None) -> list[dict[str, Any]]:
+def _all(jobs: "list[SimulatedStudy]", workers: int | None) -> list[dict[str, Any]]:
     """Simulate and analyse every study, on all cores."""
     from study.cli.designs import one_study
     from study.session.processes import mapped
@@ -121,8 +121,12 @@ def describe(entry: dict[str, Any]) -> str:
             f"{_spread(row['reversal_mean'])}, most visited {_spread(row['stop_level'])}; interval "
             f"covers {row['coverage']:.2f}, identifiable {row['identifiable']:.2f}"
         )
-    for test, share in entry.get("finds", {}).items():
-        lines.append(f"{test} finds the observer's preference in {share:.2f} of studies")
+    for category, finds in (entry.get("finds_by_category") or {"": entry.get("finds", {})}).items():
+        for test, share in finds.items():
+            where = f" of {category}" if category else ""
+            lines.append(f"{test} finds the observer's preference{where} in {share:.2f} of studies")
+    if "power_test" in entry:
+        lines.append(f"power is that of {entry['power_test']}")
     if "recommended_for" in entry:
         n = entry["recommended_participants"]
         lines.append(f"people recommended ({entry['recommended_for']}): "

@@ -39,10 +39,10 @@ def names_frame(text: str) -> bool:
 
 def _named(text: str) -> tuple[str, int | None]:
     """The clip that a word of the command line names, and its frame where it names one."""
-    from stimuli.motion.formats.words import whole
+    from stimuli.motion.formats.words import whole_number
 
     name, colon, number = text.rpartition(":")
-    frame = whole(number) if colon else None
+    frame = whole_number(number) if colon else None
     return (text, None) if frame is None else (name, frame)
 
 

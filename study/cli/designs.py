@@ -16,10 +16,11 @@ PEOPLE = (6, 12, 18, 24, 35, 50, 80)
 SHARES = (0.55, 0.60, 0.65, 0.75)
 FRAMES = (1.0, 2.0, 3.0)
 POWER = 0.8
+WORTH_PROCESSES = 10  # simulated studies from which the power is worth other processes
 
 
 @dataclass(frozen=True)
-class Job:
+class SimulatedStudy:
     """One simulated study: small enough to send to a process."""
 
     document: dict[str, Any]
@@ -30,14 +31,15 @@ class Job:
 
 @dataclass(frozen=True)
 class Options:
-    """What is asked of a certificate: seed, effects for the power, a stimulus set to check."""
+    """What is asked of a certificate: seed, effects for the power, stimuli to check, processes."""
 
     seed: int = 1
     effects: tuple[float, ...] = ()
     stimuli: Path | None = None
+    workers: int | None = None
 
 
-def one_study(job: Job) -> dict[str, Any]:
+def one_study(job: SimulatedStudy) -> dict[str, Any]:
     """Simulate one study and keep what the certificate needs of it."""
     from study.trials.reading import protocol_of
 
@@ -46,13 +48,13 @@ def one_study(job: Job) -> dict[str, Any]:
     return {
         "trials": counts,
         "minutes": minutes,
-        **TASKS.get(protocol.file.task, _nothing_more)(protocol, trials, job.seed),
+        **_JUDGED.get(protocol.file.task, _nothing_more)(protocol, trials, job.seed),
         "table": trials,
     }
 
 
 def simulated_trials(
-    protocol: "Protocol", job: Job
+    protocol: "Protocol", job: SimulatedStudy
 ) -> tuple["pd.DataFrame", list[float], list[float]]:
     """The counted trials of all people of one study, and each session's minutes and trials."""
     import pandas as pd
@@ -74,9 +76,9 @@ def simulated_trials(
 
 def _odd_pair(protocol: "Protocol", trials: "pd.DataFrame", seed: int) -> dict[str, Any]:
     from analysis.certificate import estimates
-    from analysis.thresholds import plan_of
+    from analysis.thresholds import fit_plan_of
 
-    return {"estimates": estimates(trials, plan_of(dict(protocol.document)), seed)}
+    return {"estimates": estimates(trials, fit_plan_of(dict(protocol.document)), seed)}
 
 
 def _preference(protocol: "Protocol", trials: "pd.DataFrame", seed: int) -> dict[str, Any]:
@@ -90,7 +92,7 @@ def _nothing_more(protocol: "Protocol", trials: "pd.DataFrame", seed: int) -> di
     return {}
 
 
-TASKS: dict[str, Callable[["Protocol", "pd.DataFrame", int], dict[str, Any]]] = {
+_JUDGED: dict[str, Callable[["Protocol", "pd.DataFrame", int], dict[str, Any]]] = {
     "odd-pair": _odd_pair,
     "preference": _preference,
 }
@@ -193,37 +195,82 @@ def _preference_part(
     people: int,
     options: Options,
 ) -> dict[str, Any]:
+    from analysis.certificate import MODEL, fewest
+
+    finds, power = _finds(studies), _preference_powers(protocol, trials, people, options)
+    share = (options.effects or SHARES[2:3])[0]
+    by_people = {
+        n: min(row["power"] for row in power if (row["effect"], row["participants"]) == (share, n))
+        for n in sorted({row["participants"] for row in power})
+    }
+    several = len(finds) > 1
+    return {
+        "finds": finds["all"],
+        "finds_by_category": {name: held for name, held in finds.items() if name != "all"},
+        "finds_of": "share of studies simulated from [observer] in which each test is significant",
+        "power": power,
+        "power_test": MODEL,
+        "power_of": f"finding a preference of share `effect` by {MODEL}, at α = "
+        f"{protocol.file.analysis.alpha:g}, people differing as in [observer]",
+        "power_sets": len(studies),
+        "recommended_participants": fewest(by_people, POWER),
+        "recommended_for": f"power {POWER:g} for a preference of {share:g}"
+        + (" in every category" if several else ""),
+    }
+
+
+def _finds(studies: list[dict[str, Any]]) -> dict[str, dict[str, float]]:
+    """By category, the share of studies in which each test is significant."""
     import numpy as np
 
-    from analysis.certificate import fewest, preference_power
+    names = list(dict.fromkeys(name for study in studies for name in study["finds"]))
+    return {
+        name: {
+            test: float(np.mean([s["finds"][name][test] for s in studies if name in s["finds"]]))
+            for test in ("chi2", "mixed_model")
+        }
+        for name in names
+    }
+
+
+def _preference_powers(
+    protocol: "Protocol", trials: "pd.DataFrame", people: int, options: Options
+) -> list[dict[str, Any]]:
+    """The power of the model that the report trusts, for each share, number of people, category.
+
+    As many simulated studies as were asked for; on all cores where there are many.
+    """
+    import os
+    from concurrent.futures import ProcessPoolExecutor
+    from multiprocessing import get_context
+
+    from analysis.certificate import PowerJob, preference_power
 
     file = protocol.file
     spread = file.observer.spread if file.observer else 0.0
-    answers = max(int(len(trials) / trials["participant"].nunique()), 1)
-    power: list[dict[str, Any]] = [
-        {
-            "effect": share,
-            "participants": n,
-            "power": preference_power(
-                share, n, answers, file.analysis.alpha, spread, np.random.default_rng(options.seed)
-            ),
-        }
+    persons, sets = trials["participant"].nunique(), trials["study"].nunique()
+    category = trials["category"].fillna("") if "category" in trials else trials["motion"].map(str)
+    answers = (category.value_counts() / persons).round().astype(int).clip(lower=1)
+    several = "category" in trials and category.nunique() > 1
+    designs = dict(answers) if several else {"all": max(len(trials) // persons, 1)}
+    rows: list[dict[str, Any]] = [
+        {"effect": share, "category": name, "participants": n, "motions": int(motions)}
+        for name, motions in designs.items()
         for share in options.effects or SHARES
         for n in _numbers(protocol, people)
     ]
-    share = (options.effects or SHARES[2:3])[0]
-    by_people = {row["participants"]: row["power"] for row in power if row["effect"] == share}
-    return {
-        "finds": {
-            test: float(np.mean([s["finds"][test] for s in studies]))
-            for test in ("chi2", "mixed_model")
-        },
-        "finds_of": "share of studies simulated from [observer] in which each test is significant",
-        "power": power,
-        "power_of": "finding a preference of share `effect`, people differing as in [observer]",
-        "recommended_participants": fewest(by_people, POWER),
-        "recommended_for": f"power {POWER:g} for a preference of {share:g}",
-    }
+    jobs = [
+        PowerJob(row["effect"], row["participants"], row["motions"], file.analysis.alpha, spread,
+                 sets, (options.seed, place))
+        for place, row in enumerate(rows)
+    ]  # fmt: skip
+    count = min(options.workers or os.cpu_count() or 1, len(jobs))
+    if count == 1 or sets < WORTH_PROCESSES:
+        found = [preference_power(job) for job in jobs]
+    else:
+        with ProcessPoolExecutor(count, mp_context=get_context("spawn")) as pool:
+            found = list(pool.map(preference_power, jobs))
+    return [row | {"power": power} for row, power in zip(rows, found, strict=True)]
 
 
 def warnings_of(stimuli: Path | None) -> list[str]:

@@ -69,7 +69,7 @@ def _fetch(args: argparse.Namespace) -> int:
 
 def _print_roles(args: argparse.Namespace) -> int:
     from stimuli.errors import InputError
-    from stimuli.motion import load
+    from stimuli.motion import load_clip
     from stimuli.motion.listing import roles_as_overrides
 
     if args.paths:
@@ -77,7 +77,7 @@ def _print_roles(args: argparse.Namespace) -> int:
             f"--roles: expected one FILE, found another argument, {args.paths[0]}.\n"
             "Name the clip after --roles."
         )
-    print(roles_as_overrides(load(args.roles, overrides=args.overrides)), end="")
+    print(roles_as_overrides(load_clip(args.roles, overrides=args.overrides)), end="")
     return 0
 
 
@@ -103,10 +103,10 @@ def _paths(args: argparse.Namespace) -> list[Path]:
 
 def _row(path: Path, overrides: Path | None) -> dict[str, Any]:
     from stimuli.errors import InputError
-    from stimuli.motion import load
+    from stimuli.motion import load_clip
 
     try:
-        clip = load(path, overrides=overrides)
+        clip = load_clip(path, overrides=overrides)
     except InputError as error:
         return {"name": path.stem, "path": str(path), "error": str(error)}
     return {

@@ -24,11 +24,14 @@ class Fault(NamedTuple):
     message: str
 
 
-Check = Callable[[Mapping[str, Any]], Iterator[Fault]]
+TaskCheck = Callable[[Mapping[str, Any]], Iterator[Fault]]
 
 
 def faults(
-    document: Mapping[str, Any], task: str, files: Mapping[str, type[ProtocolFile]], check: Check
+    document: Mapping[str, Any],
+    task: str,
+    files: Mapping[str, type[ProtocolFile]],
+    check: TaskCheck,
 ) -> list[Fault]:
     """Every fault of a parsed protocol: of single keys, and of keys that do not fit together.
 

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 from scipy import stats
 
-from analysis.anova import eta_interval, independent, mixed
+from analysis.anova import eta_interval, independent, split_plot
 
 
 def ratings() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -32,7 +32,7 @@ def test_independent_is_the_type_three_table_of_statsmodels() -> None:
 
 def test_mixed_is_made_of_t_tests() -> None:
     a, b, order = ratings()
-    method, between, both = mixed(a, b, order)
+    method, between, both = split_plot(a, b, order)
     first, second = order < 0, order > 0
     mean, difference = (a + b) / 2, b - a
     assert between.statistic == pytest.approx(
@@ -49,7 +49,7 @@ def test_mixed_of_a_balanced_table_is_the_split_plot_of_statsmodels() -> None:
 
     a, b, _ = ratings()
     order = np.repeat([-1.0, 1.0], 13)
-    method, *_ = mixed(a, b, np.concatenate([order]))
+    method, *_ = split_plot(a, b, np.concatenate([order]))
     table = pd.DataFrame(
         {"y": np.r_[a, b], "m": np.repeat(["a", "b"], 26), "s": np.tile(np.arange(26), 2)}
     )

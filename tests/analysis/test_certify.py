@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.certificate import difference_power, fewest, preference_power
+from analysis.certificate import PowerJob, difference_power, fewest, preference_power
 from analysis.design import balance, telltale
 from analysis.record import read
 from analysis.report import write_report
@@ -82,7 +82,40 @@ def test_odd_pair(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
 def test_preference(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     entry = certified(PREFERENCE, tmp_path, capsys)
     assert set(entry["finds"]) == {"chi2", "mixed_model"}
+    assert entry["power_test"].startswith("the mixed model")
+    assert entry["power_test"] in entry["power_of"]
     assert set(entry["balance"]) == {"geodesic first", "fixed first"}
+
+
+OPPOSITE = (
+    PREFERENCE.replace('to = "b" }', 'to = "b", category = "walks" }')
+    .replace('to = "a" }', 'to = "a", category = "dances" }')
+    .replace(
+        "prefer = { geodesic = 0.8, fixed = 0.2 }",
+        "prefer = { walks = { geodesic = 0.9, fixed = 0.1 }, "
+        "dances = { geodesic = 0.1, fixed = 0.9 } }",
+    )
+)
+
+
+def test_opposite_effects_are_certified_by_category(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Pooled, two opposite preferences are none: the power is of each category."""
+    protocol = tmp_path / "small.toml"
+    protocol.write_text(OPPOSITE)
+    options = ["--sets", "3", "--participants", "30", "--workers", "1", "--effect", "0.9"]
+    out = ["--out", str(tmp_path / "certificate.json")]
+    assert main(["certify", str(protocol), "--json", *options, *out]) == 0
+    entry = json.loads(capsys.readouterr().out)
+    assert set(entry["finds_by_category"]) == {"walks", "dances"}
+    assert all(held["chi2"] == 1.0 for held in entry["finds_by_category"].values())
+    assert {row["category"] for row in entry["power"]} == {"walks", "dances"}
+    assert entry["recommended_for"].endswith("in every category")
+    assert main(["certify", str(protocol), *options, *out]) == 0
+    told = capsys.readouterr().out
+    assert "chi2 finds the observer's preference of walks in 1.00 of studies" in told
+    assert "power is that of the mixed model of people and motions" in told
 
 
 def test_in_lines(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -223,8 +256,8 @@ def test_power_grows_with_people_and_effect() -> None:
     few = difference_power(2, 0.6, 12, 12, 0.05)
     assert few < difference_power(2, 0.6, 12, 24, 0.05)
     assert difference_power(0, 0.6, 12, 12, 0.05) == pytest.approx(0.05)
-    rng = np.random.default_rng(0)
-    assert preference_power(0.5, 35, 8, 0.05, 0.3, rng, 1500) == pytest.approx(0.05, abs=0.02)
-    assert preference_power(0.75, 35, 8, 0.05, 0.3, rng) > 0.95
+    # 100 sets at .05: three binomial standard errors are .065.
+    assert preference_power(PowerJob(0.5, 12, 8, 0.05, 0.3, 100, (1,))) <= 0.05 + 0.066
+    assert preference_power(PowerJob(0.75, 35, 8, 0.05, 0.3, 10, (2,))) == 1.0
     assert fewest({6: 0.5, 12: 0.85, 24: 0.9}) == 12
     assert fewest({6: 0.5}) is None

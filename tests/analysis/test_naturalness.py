@@ -7,9 +7,9 @@ import pytest
 from analysis.naturalness import (
     Labels,
     agreement,
+    clip_measures,
     krippendorff_alpha,
     labels,
-    measures,
     receiver_curve,
     scores_of,
 )
@@ -75,8 +75,8 @@ def test_a_score_that_tells_and_one_that_does_not() -> None:
 
 def test_measures_of_the_manifest_are_flattened() -> None:
     entry = {"measures": {"cost": 2, "feet": {"slide": 0.5, "note": "x"}, "flag": True}}
-    assert measures(entry) == {"cost": 2.0, "feet.slide": 0.5}
-    assert measures({}) == {}
+    assert clip_measures(entry) == {"cost": 2.0, "feet.slide": 0.5}
+    assert clip_measures({}) == {}
     table = scores_of(("a", "b"), {"a": entry})
     assert np.isnan(table["cost"][1])
 

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.mixed import Mixed
+from analysis.mixed import MixedFit
 from analysis.preferences import Contest
 from analysis.report import Written, write_report
 from analysis.report.preference_part import mixed_sentence
@@ -59,11 +59,11 @@ def test_a_pooled_test_that_the_mixed_model_does_not_share_is_called_out() -> No
     contest = Contest("a", "b", "all", table)
     assert contest.count.p is not None
     assert contest.count.p < 0.001
-    shaky = Mixed(2.0, -0.5, 4.5, 0.1, "mixed")
+    shaky = MixedFit(2.0, -0.5, 4.5, 0.1, "mixed")
     assert "trust the mixed model" in mixed_sentence(contest, shaky, 0.01)
-    firm = Mixed(2.0, 1.0, 3.0, 0.001, "mixed")
+    firm = MixedFit(2.0, 1.0, 3.0, 0.001, "mixed")
     assert "disagree" not in mixed_sentence(contest, firm, 0.01)
-    none = Mixed(None, None, None, None, "mixed: not estimable, why")
+    none = MixedFit(None, None, None, None, "mixed: not estimable, why")
     assert "gives no estimate (not estimable, why)" in mixed_sentence(contest, none, 0.01)
 
 
@@ -222,7 +222,39 @@ def test_no_frames_are_claimed_of_sessions_without_a_window(tmp_path: Path) -> N
     assert f"{len(rows)} of {len(rows)} trials were shown without a late frame" in page
     methods = written.document["studies"][0]["methods"]
     assert methods.startswith("Stimuli were center-aligned transitions")
-    assert "rendered offline as clips of 6 s" in methods
+    assert "rendered offline." in methods
+    assert "as clips of" not in methods
+
+
+def test_methods_say_what_record_and_manifest_hold_and_nothing_more(tmp_path: Path) -> None:
+    rows = records.counted_preferences(40, 8, 8)
+    protocol = records.preference_protocol(stimuli={"motions": []})
+    data = records.write_dataset(tmp_path / "bare", protocol, rows, StimulusSetHash="c" * 64)
+    silent = study(data)["methods"]
+    for default in ("start-end", "as clips of", "camera", "ground plane", "balanced", "random"):
+        assert default not in silent
+    first = sum(row["first_method"] == "fixed" for own in rows.values() for row in own)
+    assert f"Of 64 trials, fixed in {first} and geodesic in {64 - first} showed it first." in silent
+
+    stated = records.preference_protocol(stimuli={"specification": "start-end", "seconds": 4})
+    data = records.write_dataset(tmp_path / "stated", stated, rows, StimulusSetHash="c" * 64)
+    assert (
+        "start-end transitions between captured human motions, rendered offline as clips of 4 s"
+        in (study(data)["methods"])
+    )
+    data = records.write_dataset(tmp_path / "shown", protocol, rows, StimulusSetHash="c" * 64)
+    (data / "stimuli").mkdir()
+    (data / "stimuli" / f"{'a' * 64}.json").write_text(json.dumps({"frames": 180}))
+    assert "as clips of 180 frames" in study(data)["methods"]
+
+
+def test_a_bias_of_place_is_not_told_from_a_method_that_always_came_first(tmp_path: Path) -> None:
+    choices = [(f"m{n}", "geodesic", "fixed", "geodesic" if n % 4 else "fixed") for n in range(8)]
+    rows = {f"p{n}": records.preference_rows(choices[n:] + choices[:n]) for n in range(4)}
+    data = records.write_dataset(tmp_path, records.preference_protocol(), rows)
+    text = " ".join(study(data)["text"])
+    assert "Geodesic always came first: a bias of place and a preference for it are" in text
+    assert "bias of place. " not in text
 
 
 def test_comments_are_quoted_and_escaped(tmp_path: Path) -> None:

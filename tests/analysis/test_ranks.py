@@ -70,8 +70,42 @@ def test_the_treatment_is_stated() -> None:
     assert signed_rank([1, 1, 0, -2]).how == (
         "exact, mean ranks for ties, 1 zero difference left out"
     )
-    assert signed_rank([0, 0]).p == 1
-    assert rank_sum([], [1]).p == 1
+
+
+def test_where_nothing_differs_there_is_no_test() -> None:
+    none, empty = signed_rank([0, 0]), rank_sum([], [1])
+    assert (none.statistic, none.p, none.effect_size) == (None, None, None)
+    assert none.how == "no test: no difference but 0 in 2"
+    assert (empty.p, empty.how) == (None, "no test: a group without ratings")
+
+
+@given(
+    tenths=st.lists(st.integers(-9, 9), min_size=2, max_size=12).filter(any),
+    base=st.sampled_from([0.1, 1.1, 3.3]),
+)
+def test_differences_that_are_equal_but_for_rounding_are_ties(
+    tenths: list[int], base: float
+) -> None:
+    """Differences of means a fifth apart, worked out in floating point from different means."""
+    rough = [(base * n + d / 5) - base * n for n, d in enumerate(tenths)]
+    whole, found = signed_rank(tenths), signed_rank(rough)
+    assert (found.statistic, found.n, found.ties) == (whole.statistic, whole.n, whole.ties)
+    assert found.p == pytest.approx(whole.p)
+    batched = biserial_signed(np.array([rough]))[0]
+    assert batched == pytest.approx(whole.effect_size)
+
+
+@given(
+    first=st.lists(st.integers(1, 9), min_size=1, max_size=6),
+    second=st.lists(st.integers(1, 9), min_size=1, max_size=6),
+)
+def test_means_that_are_equal_but_for_rounding_share_a_rank(
+    first: list[int], second: list[int]
+) -> None:
+    rough = [np.mean([n / 3, 0.1, 0.2, 0.3]) * 4 - 0.6 for n in first], [n / 3 for n in second]
+    whole, found = rank_sum(first, second), rank_sum(*rough)
+    assert (found.statistic, found.ties) == (whole.statistic, whole.ties)
+    assert biserial_sum(*(np.array([r]) for r in rough))[0] == pytest.approx(whole.effect_size)
 
 
 @given(small.filter(any))

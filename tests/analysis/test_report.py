@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from analysis.errors import NothingAnalysed
 from analysis.report import write_report
 from tests.analysis import records
 
@@ -55,10 +56,28 @@ def test_keys_of_a_psychometric_entry(written: Path) -> None:
                 "staircase_threshold"} <= set(entry)  # fmt: skip
         threshold = entry["threshold"]
         assert threshold["at"] == 0.75
-        assert threshold["low"] < threshold["value"] < threshold["high"]
+        low, high = (
+            threshold[end] if f"{end}_reason" not in threshold else edge
+            for end, edge in (("low", -np.inf), ("high", np.inf))
+        )
+        assert low < threshold["value"] < high
         assert set(entry["staircase_threshold"]) == {"stop_level", "reversal_mean"}
     assert pooled[0]["threshold"]["value"] < 0 < pooled[1]["threshold"]["value"]
     assert {entry["participant"] for entry in study["psychometric"]} > {"p00", "p05"}
+
+
+def test_an_end_beyond_the_levels_is_told_everywhere_and_never_a_number(written: Path) -> None:
+    """The shorter blends of this study end at −8, and their threshold lies at −7."""
+    study = document(written)["studies"][1]
+    entry = next(e for e in study["psychometric"] if e["side"] == "shorter")
+    assert entry["threshold"]["low"] is None
+    assert entry["threshold"]["low_reason"] == "beyond −8, the last level shown"
+    assert any("95% CI [beyond −8, −" in sentence for sentence in study["text"])
+    page = (written / "report.html").read_text()
+    assert "beyond −8 to −" in page
+    for told in study["psychometric"]:
+        ends = [told["threshold"][end] for end in ("low", "high")]
+        assert all(end is None or -8 <= end <= 12 for end in ends)
 
 
 def test_the_page_needs_no_network_and_is_one_file(written: Path) -> None:
@@ -81,11 +100,25 @@ def test_text_from_logs_is_escaped(tmp_path: Path) -> None:
     assert written.page == tmp_path / "derivatives" / "segue" / "report.html"
 
 
-def test_a_study_of_which_nothing_is_left(tmp_path: Path) -> None:
+def test_a_report_of_nothing_is_an_error(tmp_path: Path) -> None:
     path = tmp_path / "mine.csv"
     path.write_text("difference,correct\n4,n/a\n")
-    found = write_report([path], tmp_path / "out").document["studies"][0]
-    assert (found["trials"], found["excluded"], found["psychometric"]) == (0, 1, [])
+    with pytest.raises(NothingAnalysed, match="trials without an answer: 1 trial"):
+        write_report([path], tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+def test_beside_a_study_that_counts_one_of_which_nothing_is_left_is_told(tmp_path: Path) -> None:
+    empty, good = tmp_path / "empty.csv", tmp_path / "good.csv"
+    empty.write_text("participant,difference,correct\nann,4,n/a\n")
+    good.write_text("participant,difference,correct\nann,4,1\nbob,4,0\n")
+    first, second = write_report([empty, good], tmp_path / "out").document["studies"]
+    assert (first["trials"], first["excluded"], first["psychometric"]) == (0, 1, [])
+    assert (first["participants"], first["participants_recorded"]) == (0, 1)
+    assert first["participants_left_out"] == [
+        {"participant": "ann", "reason": "no trial of theirs counts: practice, void or unanswered"}
+    ]
+    assert second["participants"] == 2
 
 
 def test_the_same_record_gives_the_same_report(
@@ -112,3 +145,10 @@ def test_rules_of_the_protocol_exclude_people(tmp_path: Path) -> None:
     assert rules["people with fewer than 80% of catch trials right"]["participants"] == ["poor"]
     assert rules["void trials (shown too late)"]["trials"] == 2
     assert {entry["participant"] for entry in found["psychometric"]} == {"all"}
+    assert (found["participants"], found["participants_recorded"]) == (1, 2)
+    assert found["participants_left_out"] == [
+        {"participant": "poor", "reason": "people with fewer than 80% of catch trials right"}
+    ]
+    page = written.page.read_text()
+    assert "2 people took part in 2 sessions" in page
+    assert "The answers of 1 are analysed; left out are 1 person (poor: people with fewer" in page

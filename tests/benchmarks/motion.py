@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from stimuli.motion import Motion, Skeleton, forward, load, unroll, walker
+from stimuli.motion import Motion, Skeleton, forward, load_clip, unroll, walker
 from stimuli.motion import quaternions as quat
 from stimuli.motion.formats.bvh import read_bvh
 from stimuli.motion.formats.bvh_write import write_bvh
@@ -101,7 +101,7 @@ def _reading() -> list[dict[str, Any]]:
                 )
         path = _written(Path(directory), FRAMES, DIGITS["few digits"])
         ours = _median(lambda: read_bvh(path, path.read_bytes()))
-        whole = _median(lambda: load(path, up="Y", scale=1.0))
+        whole = _median(lambda: load_clip(path, up="Y", scale=1.0))
         slower = _median(lambda: bvhio.readAsBvh(str(path)), 5)
         theirs = _by_pybvh(path, RUNS)
         name = f"read BVH, {FRAMES} frames × {JOINTS} joints, few digits"

@@ -1,4 +1,4 @@
-"""Readers of motion files, one a format, in a table by suffix; each returns a `Source`."""
+"""Readers of motion files, one a format, in a table by suffix; each returns a `Take`."""
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -8,9 +8,9 @@ from stimuli.motion.formats.amass import read_amass
 from stimuli.motion.formats.bvh import read_bvh
 from stimuli.motion.formats.deepmimic import read_deepmimic
 from stimuli.motion.formats.refused import refuse
-from stimuli.motion.formats.source import Source
+from stimuli.motion.formats.source import Take
 
-Reader = Callable[[Path, bytes, float | None], Source]
+Reader = Callable[[Path, bytes, float | None], Take]
 
 READERS: Mapping[str, Reader] = {
     ".bvh": read_bvh,
@@ -22,4 +22,4 @@ READERS: Mapping[str, Reader] = {
     ".txt": read_deepmimic,
 }
 
-__all__ = ["READERS", "Reader", "Source"]
+__all__ = ["READERS", "Reader", "Take"]

@@ -14,26 +14,26 @@ from stimuli.motion.formats.acclaim_poses import read_poses
 from stimuli.motion.formats.acclaim_skeleton import Bone, read_asf
 from stimuli.motion.formats.rates import rounded_rate
 from stimuli.motion.formats.source import (
-    Source,
+    Take,
     check_size,
     contents,
-    decode,
     fault,
+    text_of,
 )
 from stimuli.motion.quaternions import Array
 
 DEFAULT_RATE = 120.0
 
 
-def read_acclaim(path: Path, data: bytes, fps: float | None = None) -> Source:
+def read_acclaim(path: Path, data: bytes, fps: float | None = None) -> Take:
     """The motion of an AMC file with the ASF beside it; 120 frames a second unless `fps` is given.
 
     The skeleton is the ASF of the same stem, else of the part before the first underscore, else
     the only one in the directory.
     """
-    text = decode(path, data)
+    text = text_of(path, data)
     asf = _skeleton_beside(path)
-    skeleton = read_asf(asf, decode(asf, contents(asf)))
+    skeleton = read_asf(asf, text_of(asf, contents(asf)))
     poses = read_poses(path, text, skeleton)
     frames, frame_rate = len(next(iter(poses.values.values()))), fps or DEFAULT_RATE
     check_size(path, frames, len(skeleton.bones), frame_rate)
@@ -51,7 +51,7 @@ def read_acclaim(path: Path, data: bytes, fps: float | None = None) -> Source:
                 notes.append(f"translations of {bone.name} are left out")
     if silent := [b.name for b in skeleton.bones if b.freedoms and b.name not in poses.values]:
         notes.append(f"no values for {', '.join(silent)}: taken at rest")
-    return Source(
+    return Take(
         format="amc",
         names=tuple(bone.name for bone in skeleton.bones),
         parents=np.array(skeleton.parents),
@@ -65,7 +65,7 @@ def read_acclaim(path: Path, data: bytes, fps: float | None = None) -> Source:
     )
 
 
-def refuse_asf(path: Path, data: bytes, fps: float | None = None) -> Source:
+def refuse_asf(path: Path, data: bytes, fps: float | None = None) -> Take:
     """An ASF holds no motion."""
     raise fault(path, "a motion", "an Acclaim skeleton", "Name the .amc file; this one lies by it.")
 

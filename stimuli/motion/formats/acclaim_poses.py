@@ -16,7 +16,7 @@ from stimuli.errors import InputError
 from stimuli.motion.formats.acclaim_skeleton import REMEDY, AcclaimSkeleton
 from stimuli.motion.formats.numbers import parse_numbers
 from stimuli.motion.formats.source import fault, shown
-from stimuli.motion.formats.words import IN_BOUNDS, decimals, whole
+from stimuli.motion.formats.words import IN_BOUNDS, decimals, whole_number, without_comment
 from stimuli.motion.quaternions import Array
 
 _FIRST_FRAME = re.compile(r"^([0-9]+)[ \t]*\r?$", re.MULTILINE)
@@ -60,7 +60,7 @@ def _spelled(text: str, skeleton: AcclaimSkeleton) -> str:
 def _as_table(path: Path, text: str, widths: Mapping[str, int], degrees: bool) -> Poses | None:
     """The poses of a file whose frames are all laid out as the first; None of any other."""
     first = _FIRST_FRAME.search(text)
-    number = whole(first[1]) if first else None
+    number = whole_number(first[1]) if first else None
     if first is None or number is None or not text.isascii():
         return None
     for words in map(str.split, text[: first.start()].split("\n")):
@@ -84,7 +84,7 @@ def _layout(text: str, start: int, widths: Mapping[str, int]) -> dict[str, int] 
     """The bones of the frame whose lines begin at `start`, in their order, with their widths."""
     layout: dict[str, int] = {}
     for words in (line[0].split() for line in _LINE.finditer(text, start)):
-        if len(words) == 1 and whole(words[0]) is not None:
+        if len(words) == 1 and whole_number(words[0]) is not None:
             break
         if words and (words[0] not in widths or words[0].startswith(("#", ":"))):
             return None
@@ -129,7 +129,7 @@ def _line_by_line(path: Path, text: str, widths: Mapping[str, int], degrees: boo
     rows: dict[str, list[list[float]]] = {}
     frame, frames = None, 0
     for number, raw in enumerate(text.split("\n"), start=1):
-        words = raw.split("#")[0].split()
+        words = without_comment(raw).split()
         if not words:
             continue
         if words[0].startswith(":"):
@@ -150,7 +150,7 @@ def _line_by_line(path: Path, text: str, widths: Mapping[str, int], degrees: boo
 
 def _next_frame(path: Path, word: str, last: int | None, line: int) -> int:
     """The number of a frame, which must follow the last one's."""
-    frame = whole(word)
+    frame = whole_number(word)
     if frame is None or (last is not None and frame != last + 1):
         wanted = "a frame number" if last is None else f"frame {last + 1}"
         raise fault(path, wanted, f"frame {shown(word)}", REMEDY, line)

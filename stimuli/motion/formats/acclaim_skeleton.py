@@ -7,7 +7,7 @@ import numpy as np
 
 from stimuli.motion import quaternions as quat
 from stimuli.motion.formats.source import MOST_JOINTS, fault, shown
-from stimuli.motion.formats.words import IN_BOUNDS, decimals
+from stimuli.motion.formats.words import IN_BOUNDS, decimals, without_comment
 from stimuli.motion.quaternions import Array
 
 REMEDY = "The file is damaged; take it from its source again."
@@ -89,7 +89,7 @@ def _sections(path: Path, text: str) -> _Lines:
     """Lines by section; comments and blank ones left out."""
     lines, name = _Lines(path), ""
     for number, raw in enumerate(text.split("\n"), start=1):
-        words = raw.split("#")[0].split()
+        words = without_comment(raw).split()
         if words and words[0].startswith(":"):
             name = words[0][1:].lower()
             lines.sections.setdefault(name, [])

@@ -18,11 +18,11 @@ import numpy as np
 from stimuli.errors import InputError
 from stimuli.motion import quaternions as quat
 from stimuli.motion.formats.rates import is_rate, rounded_rate
-from stimuli.motion.formats.source import Source, check_size, depth_first, fault
+from stimuli.motion.formats.source import Take, check_size, depth_first, fault
 from stimuli.motion.formats.words import IN_BOUNDS, LARGEST_NUMBER
 from stimuli.motion.quaternions import Array
 
-STATURE = 1.70
+_STATURE = 1.70
 _BODY = (  # name, parent, offset as a part of the stature; of sides, the left one
     ("pelvis", "", (0, 0, 0)),
     ("left_hip", "pelvis", (0.05, -0.05, 0)), ("right_hip", "pelvis", (0.05, -0.05, 0)),
@@ -61,7 +61,7 @@ _BROKEN = (zipfile.BadZipFile, zlib.error, EOFError, OSError, ValueError, Runtim
 _TODO = "Take the archive from its source again; Segue reads AMASS as it is published."
 
 
-def read_amass(path: Path, data: bytes, fps: float | None = None) -> Source:
+def read_amass(path: Path, data: bytes, fps: float | None = None) -> Take:
     """The motion of an AMASS archive; `fps` overrides its rate."""
     arrays = _arrays(path, data)
     poses, trans = arrays["poses"], arrays["trans"]
@@ -78,10 +78,10 @@ def read_amass(path: Path, data: bytes, fps: float | None = None) -> Source:
             frame = int(np.argwhere(~(np.abs(values) < LARGEST_NUMBER))[0, 0])
             found = f"another in {name}, frame {frame + 1}"
             raise fault(path, f"numbers {IN_BOUNDS}", found, _TODO)
-    notes = [f"the bones are those of a standard body of {STATURE:.2f} m, not of this person"]
+    notes = [f"the bones are those of a standard body of {_STATURE:.2f} m, not of this person"]
     if left_out:
         notes.append(f"{left_out}: left out")
-    source = Source(
+    take = Take(
         format="amass",
         names=names,
         parents=parents,
@@ -94,7 +94,7 @@ def read_amass(path: Path, data: bytes, fps: float | None = None) -> Source:
         world="Z",
         warnings=tuple(notes),
     )
-    return depth_first(source)
+    return depth_first(take)
 
 
 def is_amass(path: Path) -> bool:
@@ -184,8 +184,8 @@ def _skeleton() -> tuple[tuple[str, ...], np.ndarray, Array, np.ndarray, Array]:
             ends[above] = offset
     names = [name for name, *_ in joints]
     mirror = np.array([[-1.0 if name.startswith("right") else 1.0, 1, 1] for name in names])
-    offsets = STATURE * mirror * np.array([offset for *_, offset in joints], dtype=float)
+    offsets = _STATURE * mirror * np.array([offset for *_, offset in joints], dtype=float)
     places = [names.index(name) for name in ends]
-    tips = STATURE * mirror[places] * np.array(list(ends.values()), dtype=float)
+    tips = _STATURE * mirror[places] * np.array(list(ends.values()), dtype=float)
     parents = np.array([names.index(above) if above else -1 for _, above, _ in joints])
     return tuple(names), parents, offsets, np.array(places), tips

@@ -11,17 +11,17 @@ from pathlib import Path
 import numpy as np
 
 from stimuli.motion.formats.bvh_hierarchy import Hierarchy, read_hierarchy
-from stimuli.motion.formats.bvh_table import Table, read_table
+from stimuli.motion.formats.bvh_table import BvhFrames, read_bvh_frames
 from stimuli.motion.formats.rates import written_rate
 from stimuli.motion.formats.source import (
-    Source,
+    Take,
     decoded,
     fault,
     line_of,
     shown,
     text_bytes,
 )
-from stimuli.motion.formats.words import decimal, whole
+from stimuli.motion.formats.words import decimal, whole_number
 from stimuli.motion.quaternions import Array
 
 _SKIPPED = rb"(?:\s|(?:#|//)[^\r\n]*)*+"
@@ -53,12 +53,12 @@ class _Header:
     warnings: tuple[str, ...]
 
 
-def read_bvh(path: Path, data: bytes, fps: float | None = None) -> Source:
+def read_bvh(path: Path, data: bytes, fps: float | None = None) -> Take:
     """The motion of a BVH file; `fps` overrides its frame time. InputError when malformed."""
     data = _blanked(text_bytes(path, data))
     if not _HIERARCHY.match(data):
         todo = "This is no BVH file; export it as BVH."
-        raise fault(path, "HIERARCHY", shown(decoded(data[:40])), todo, 1)
+        raise fault(path, "HIERARCHY", shown(_next_line(data, 0)), todo, 1)
     start, end = _motion(data)
     tree = read_hierarchy(path, decoded(data[:start]))
     if start == len(data):
@@ -69,9 +69,9 @@ def read_bvh(path: Path, data: bytes, fps: float | None = None) -> Source:
             "The file is cut short, or holds a skeleton alone; export the motion with it.",
         )
     header = _read_header(path, data, end, fps)
-    table = read_table(path, data, header.start, tree, header.frames, header.fps)
+    table = read_bvh_frames(path, data, header.start, tree, header.frames, header.fps)
     offsets, moves, notes = _offsets(path, tree, table)
-    return Source(
+    return Take(
         format="bvh",
         names=tuple(tree.names),
         parents=np.array(tree.parents),
@@ -82,6 +82,7 @@ def read_bvh(path: Path, data: bytes, fps: float | None = None) -> Source:
         root=moves.pop(0),
         fps=header.fps,
         moves=moves,
+        declared=np.array(tree.offsets, dtype=float),
         at_rest=table.at_rest,
         warnings=(*header.warnings, *table.warnings, *notes),
     )
@@ -118,7 +119,7 @@ def _read_header(path: Path, data: bytes, place: int, fps: float | None) -> _Hea
     line = line_of(data, re.compile(_SKIPPED).match(data, place).end())  # type: ignore[union-attr]
     for name in _FIELDS:
         word, at = words.get(name, ("", line))
-        if (whole if name == "Frames" else decimal)(word) is None:
+        if (whole_number if name == "Frames" else decimal)(word) is None:
             found = f"{name}: {word}" if name in words else _next_line(data, place)
             raise fault(path, _ADVICE[name][0], shown(found), _ADVICE[name][1], at)
     frames = int(words["Frames"][0])
@@ -138,7 +139,7 @@ def _next_line(data: bytes, place: int) -> str:
 
 
 def _offsets(
-    path: Path, tree: Hierarchy, table: Table
+    path: Path, tree: Hierarchy, table: BvhFrames
 ) -> tuple[Array, dict[int, Array], list[str]]:
     """Offsets (J, 3), positions (F, 3) of the root and of joints that have them, and warnings.
 
@@ -160,7 +161,9 @@ def _offsets(
             shrunk.append(joint)
         offsets[joint, axes] = mean
         kept += float(np.abs(mean).sum())
-        if len(axes) == 3 or not still.all():
+        if axes == [0, 1, 2]:
+            moves[joint] = values
+        elif len(axes) == 3 or not still.all():
             moves[joint] = np.tile(offsets[joint], (frames, 1))
             moves[joint][:, axes] = values
     names = ", ".join(tree.names[joint] for joint in shrunk[:6])
@@ -172,6 +175,6 @@ def _offsets(
             "They would shrink the body to a point: export without positions below the root.",
         )
     notes = [f"positions that are 0 replace the OFFSET of {names}"] if shrunk else []
-    if 0 not in table.moving:
+    if not any(len(axes) == 3 for axes in table.moving.values()) and 0 not in table.moving:
         notes.append("the root has no position channels: the body stays in its place")
     return offsets, moves, notes

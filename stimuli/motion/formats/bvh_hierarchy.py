@@ -15,7 +15,8 @@ from stimuli.motion.quaternions import Array
 
 AXES = "XYZ"
 _CHANNEL = re.compile(r"([XYZ])(position|rotation)", re.IGNORECASE)
-_WORD = re.compile(rf"(?P<brace>[{{}}])|(?P<end>{LINE_END})|[^\s{{}}]+")
+_LINES = re.compile(LINE_END)
+_WORD = re.compile(r"[{}]|[^\s{}]+")
 _END_SITES = {"ENDSITE", "END_SITE", "END-SITE"}
 _KEYWORDS = {"{", "}", "ROOT", "JOINT", "END", "OFFSET", "CHANNELS", "HIERARCHY", *_END_SITES}
 _MEND = "Check the braces above this line, or export the file again."
@@ -98,19 +99,16 @@ def read_hierarchy(path: Path, text: str) -> Hierarchy:
 
 def _split(text: str) -> _Words:
     """The words of a text but for comments; what follows JOINT is a name, however it begins."""
-    words = _Words([], [])
-    line, silent = 1, False
-    for found in _WORD.finditer(text):
-        word = found[0]
-        if found["end"]:
-            line, silent = line + 1, False
-        elif not silent:
-            named = words.words and words.words[-1].upper() in ("ROOT", "JOINT")
-            silent = word.startswith(("#", "//")) and not named
-            if not silent:
-                words.words.append(word)
-                words.lines.append(line)
-    return words
+    words: list[str] = []
+    lines: list[int] = []
+    for number, line in enumerate(_LINES.split(text), start=1):
+        for word in _WORD.findall(line):
+            named = words and words[-1].upper() in ("ROOT", "JOINT")
+            if word.startswith(("#", "//")) and not named:
+                break
+            words.append(word)
+            lines.append(number)
+    return _Words(words, lines)
 
 
 def _misplaced(path: Path, word: str, line: int) -> Exception:
@@ -144,7 +142,7 @@ def _add_joint(tree: Hierarchy, stack: list[int], keyword: str, words: _Words, l
             "This is no body; export the skeleton of one character.",
             line,
         )
-    _open(tree, words, f"{keyword} {name}")
+    _open(tree, words, keyword, name)
     tree.names.append(name or f"joint {len(tree.names)}")
     tree.parents.append(stack[-1] if stack else -1)
     tree.offsets.append(None)
@@ -157,16 +155,17 @@ def _add_end_site(tree: Hierarchy, stack: list[int], words: _Words, line: int) -
     words.name()
     if not stack or stack[-1] < 0:
         raise _misplaced(tree.path, "End Site", line)
-    _open(tree, words, "End Site")
+    _open(tree, words, "End", "Site")
     tree.end_parents.append(stack[-1])
     tree.end_offsets.append(None)
     return -1
 
 
-def _open(tree: Hierarchy, words: _Words, whose: str) -> None:
+def _open(tree: Hierarchy, words: _Words, keyword: str, name: str) -> None:
     if words.next != "{":
         found = shown(words.next) if words.next else "the end"
-        raise fault(tree.path, f"{{ after {shown(whose)}", found, _MEND, words.line)
+        wanted = f"{{ after {shown(f'{keyword} {name}')}"
+        raise fault(tree.path, wanted, found, _MEND, words.line)
     words.at += 1
 
 
@@ -188,19 +187,18 @@ def _close(tree: Hierarchy, joint: int, line: int) -> None:
 def _set_offset(tree: Hierarchy, joint: int, words: _Words, line: int) -> None:
     values = words.values()
     numbers = decimals(values)
-    whose = _whose(tree, joint)
     if numbers is None or len(numbers) != 3:
-        wanted = f"OFFSET and three numbers {IN_BOUNDS} for {whose}"
+        wanted = f"OFFSET and three numbers {IN_BOUNDS} for {_whose(tree, joint)}"
         raise fault(tree.path, wanted, shown(" ".join(["OFFSET", *values])), "Mend it.", line)
     place, offsets = (joint, tree.offsets) if joint >= 0 else (-1, tree.end_offsets)
     if offsets[place] is not None:
-        raise fault(tree.path, f"one OFFSET of {whose}", "a second", "Keep the right one.", line)
+        wanted = f"one OFFSET of {_whose(tree, joint)}"
+        raise fault(tree.path, wanted, "a second", "Keep the right one.", line)
     offsets[place] = np.array(numbers)
 
 
 def _set_channels(tree: Hierarchy, joint: int, words: _Words, line: int) -> None:
     values = words.values()
-    whose = _whose(tree, joint)
     matches = [_CHANNEL.fullmatch(word) for word in values[1:]]
     channels = [(m[2].lower(), AXES.index(m[1].upper())) for m in matches if m]
     sound = bool(values) and values[0] == str(len(channels)) and len(channels) == len(matches)
@@ -216,5 +214,6 @@ def _set_channels(tree: Hierarchy, joint: int, words: _Words, line: int) -> None
     if joint < 0:
         return
     if tree.channels[joint] is not None:
-        raise fault(tree.path, f"CHANNELS of {whose} once", "twice", "Keep the right ones.", line)
+        wanted = f"CHANNELS of {_whose(tree, joint)} once"
+        raise fault(tree.path, wanted, "twice", "Keep the right ones.", line)
     tree.channels[joint] = channels

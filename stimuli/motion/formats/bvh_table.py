@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
+from stimuli.compiled import worth_loading
 from stimuli.motion import quaternions as quat
-from stimuli.motion.compiled import worth_loading
 from stimuli.motion.formats.bvh_hierarchy import AXES, Hierarchy
 from stimuli.motion.formats.numbers import number_blocks, plain_blocks
-from stimuli.motion.formats.scan import (
+from stimuli.motion.formats.scan_state import (
     LINES,
     ODD_BEGINS,
     ODD_LINE,
@@ -23,25 +23,25 @@ from stimuli.motion.formats.scan import (
 from stimuli.motion.formats.source import check_size, fault, line_of
 from stimuli.motion.quaternions import Array
 
-Poses = tuple[int, Array, Array]  # how many are wanted, rotations and positions to be filled
-_AT_ONCE = 3_000  # numbers
+_Poses = tuple[int, Array, Array]  # how many are wanted, rotations and positions to be filled
+_AT_ONCE = 1_500  # numbers
 
 
 @dataclass(frozen=True, eq=False)
-class Table:
+class BvhFrames:
     """Rotations (F, J, 4); the position channels (F, N) of joints, by joint, and the axes of these;
-    which frames have a root that does not turn, where it could."""
+    which frames have a root that is not turned."""
 
     rotations: Array
     positions: dict[int, Array]
     moving: dict[int, list[int]]
-    at_rest: np.ndarray | None
+    at_rest: np.ndarray
     warnings: tuple[str, ...]
 
 
-def read_table(
+def read_bvh_frames(
     path: Path, data: bytes, start: int, tree: Hierarchy, frames: int, fps: float
-) -> Table:
+) -> BvhFrames:
     """The frames from the byte `start` on; InputError when they do not fit the hierarchy."""
     layout = _Layout(tree)
     if layout.width == 0:
@@ -59,16 +59,16 @@ def read_table(
         found = _scanned(path, data, start, layout, poses)
     there = found // layout.width
     note = f"the header says {frames} frames, {there} are there: the first {frames} used"
-    return Table(
+    return BvhFrames(
         rotations=rotations,
         positions={joint: positions[:, own] for joint, own in layout.own.items()},
         moving=layout.axes,
-        at_rest=np.all(rotations[:, 0, 1:] == 0, axis=1) if layout.turns_root else None,
+        at_rest=np.all(rotations[:, 0, 1:] == 0, axis=1),
         warnings=(note,) if there > frames else (),
     )
 
 
-def _plainly(data: bytes, start: int, layout: "_Layout", poses: Poses) -> int | None:
+def _plainly(data: bytes, start: int, layout: "_Layout", poses: _Poses) -> int | None:
     """How many numbers there are, the frames filled in; None where that takes more than Python."""
     frames = poses[0]
     try:
@@ -79,7 +79,7 @@ def _plainly(data: bytes, start: int, layout: "_Layout", poses: Poses) -> int | 
     return found if found >= frames * layout.width else None
 
 
-def _scanned(path: Path, data: bytes, start: int, layout: "_Layout", poses: Poses) -> int:
+def _scanned(path: Path, data: bytes, start: int, layout: "_Layout", poses: _Poses) -> int:
     """How many numbers there are, the frames filled in; InputError where they do not fit."""
     state = new_state(start)
     blocks = number_blocks(path, data, state, layout.at_once, layout.width)
@@ -89,7 +89,7 @@ def _scanned(path: Path, data: bytes, start: int, layout: "_Layout", poses: Pose
 
 
 def _filled(
-    blocks: Iterator[Array], layout: "_Layout", turn: Callable[[Array, Array], None], poses: Poses
+    blocks: Iterator[Array], layout: "_Layout", turn: Callable[[Array, Array], None], poses: _Poses
 ) -> int:
     """How many numbers there are in blocks of whole rows, of which the first are filled in."""
     _, rotations, positions = poses
@@ -130,7 +130,6 @@ class _Layout:
                 self.axes[joint] = [axis for _, axis in moves]
         self.width = column
         self.at_once = max(1, _AT_ONCE // max(column, 1)) * column
-        self.turns_root = 0 in joints
         self._still = [joint for joint in range(len(tree.names)) if joint not in set(joints)]
         self._turns = tuple(np.array(part, dtype=np.int64) for part in (joints, columns, axes))
 

@@ -15,12 +15,12 @@ import numpy as np
 from stimuli.motion import quaternions as quat
 from stimuli.motion.formats.rates import rate, rounded_rate
 from stimuli.motion.formats.source import (
-    Source,
+    Take,
     check_size,
-    decode,
     depth_first,
     fault,
     shown,
+    text_of,
 )
 from stimuli.motion.formats.words import IN_BOUNDS, LARGEST_NUMBER
 from stimuli.motion.quaternions import Array
@@ -51,7 +51,7 @@ _ENDS = (
     (11, (0.1335, -0.05, 0.0)),
     (14, (0.0, -0.08, 0.0)),
 )
-NAMES = tuple(name for name, *_ in _HUMANOID)
+JOINT_NAMES = tuple(name for name, *_ in _HUMANOID)
 PARENTS = np.array([parent for _, parent, *_ in _HUMANOID])
 OFFSETS = np.array([offset for *_, offset in _HUMANOID])
 END_PARENTS = np.array([parent for parent, _ in _ENDS])
@@ -60,10 +60,10 @@ _WIDTH = 4 + sum(width for _, _, width, _ in _HUMANOID)
 _TODO = "Take the clip from its source again; only clips of the humanoid can be read."
 
 
-def read_deepmimic(path: Path, data: bytes, fps: float | None = None) -> Source:
+def read_deepmimic(path: Path, data: bytes, fps: float | None = None) -> Take:
     """The motion of a DeepMimic clip; `fps` overrides its frame durations."""
-    table, loop = _table(path, decode(path, data))
-    rotations = np.tile(quat.IDENTITY, (len(table), len(NAMES), 1))
+    table, loop = _table(path, text_of(path, data))
+    rotations = np.tile(quat.IDENTITY, (len(table), len(JOINT_NAMES), 1))
     column = 4
     for joint, (_, _, width, _) in enumerate(_HUMANOID):
         values = table[:, column : column + width]
@@ -79,9 +79,9 @@ def read_deepmimic(path: Path, data: bytes, fps: float | None = None) -> Source:
     rotations = quat.normalise(rotations)
     root = table[:, 1:4]
     rotations, root, own_rate = _even(path, table[:, 0], rotations, root)
-    source = Source(
+    take = Take(
         format="deepmimic",
-        names=NAMES,
+        names=JOINT_NAMES,
         parents=PARENTS,
         offsets=OFFSETS,
         end_parents=END_PARENTS,
@@ -91,7 +91,7 @@ def read_deepmimic(path: Path, data: bytes, fps: float | None = None) -> Source:
         fps=fps if fps is not None else own_rate,
         loop=loop,
     )
-    return depth_first(source)
+    return depth_first(take)
 
 
 def _table(path: Path, text: str) -> tuple[Array, bool]:
@@ -134,7 +134,7 @@ def _even(
     times = np.concatenate([[0.0], np.cumsum(steps)])
     is_even = np.allclose(steps, typical, rtol=1e-3)
     count = len(times) if is_even else int(times[-1] / typical + 1e-6) + 1
-    check_size(path, count, len(NAMES), 1.0 / typical)
+    check_size(path, count, len(JOINT_NAMES), 1.0 / typical)
     if not is_even:
         places = np.interp(np.arange(count) * typical, times, np.arange(len(times)))
         rotations, root = sampled(rotations, root, places)

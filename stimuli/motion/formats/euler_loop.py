@@ -5,13 +5,13 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from stimuli.motion.compiled import kept
+from stimuli.compiled import compiled
 from stimuli.motion.quaternions import Array
 
 Whole = npt.NDArray[np.int64]
 
 
-@kept
+@compiled(nogil=True)
 def turn(values: Array, joints: Whole, columns: Whole, axes: Whole, rotations: Array) -> None:
     """Fills `rotations` (F, J, 4) of some joints (N,) from degrees in `values` (F, C).
 

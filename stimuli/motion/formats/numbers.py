@@ -10,7 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from stimuli.motion.formats.scan import (
+from stimuli.motion.formats.scan import scan
+from stimuli.motion.formats.scan_state import (
     BEGINS,
     ENDED,
     NO_NUMBER,
@@ -19,7 +20,6 @@ from stimuli.motion.formats.scan import (
     WORDS,
     State,
     new_state,
-    scan,
 )
 from stimuli.motion.formats.source import fault, line_of, shown
 from stimuli.motion.formats.words import (
@@ -35,7 +35,7 @@ _TODO = "The file is damaged; export it again."
 _NUMBERS = re.compile(rf"\s*+(?:{DECIMAL}(?:\s++|\Z))*+".encode(), re.IGNORECASE)
 _LINE = re.compile(rb"[^\r\n]++")
 _WORD = re.compile(rb"\S+")
-_COMMENT = re.compile(rb"(?:#|//)[^\r\n]*")
+_COMMENT = re.compile(rb"(?<!\S)(?:#|//)[^\r\n]*")  # a word of its own, unlike that in -1.#IND
 
 
 def parse_numbers(path: Path, data: bytes, start: int = 0) -> Array:

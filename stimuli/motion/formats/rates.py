@@ -18,13 +18,11 @@ def is_rate(fps: float) -> bool:
 def rate(path: Path, frame_time: float, line: int | None = None) -> float:
     """Frames a second of a frame time; within 0.1 % of an integer it is that integer."""
     if not (frame_time > 0 and is_rate(1.0 / frame_time)):
-        raise fault(
-            path,
-            f"a frame time of {1 / FASTEST:g} to {1 / SLOWEST:g} seconds",
-            f"{frame_time:g}",
-            "Write the seconds between two frames, such as 0.0333333.",
-            line,
-        )
+        todo = "Write the seconds between two frames, such as 0.0333333"
+        if frame_time > 0 and is_rate(1000.0 / frame_time):
+            todo += ", no milliseconds and no rate"
+        wanted = f"a frame time of {1 / FASTEST:g} to {1 / SLOWEST:g} seconds"
+        raise fault(path, wanted, f"{frame_time:g}", f"{todo}.", line)
     return rounded_rate(1.0 / frame_time)
 
 

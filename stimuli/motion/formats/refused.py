@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from stimuli.errors import InputError
-from stimuli.motion.formats.source import Source, fault
+from stimuli.motion.formats.source import Take, fault
 
 _SCENE = "Import it into Blender (or MotionBuilder) and export the armature's motion as BVH."
 _SOLVE = "Solve it onto a skeleton (MotionBuilder, Vicon, Motive or Blender) and export BVH."
@@ -45,6 +45,6 @@ def refusal(path: Path) -> InputError:
     return fault(path, "joint rotations of a skeleton", found, todo)
 
 
-def refuse(path: Path, data: bytes, fps: float | None = None) -> Source:
+def refuse(path: Path, data: bytes, fps: float | None = None) -> Take:
     """A reader that refuses."""
     raise refusal(path)

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from stimuli.motion.compiled import inlined, kept
-from stimuli.motion.formats.scan import (
+from stimuli.compiled import compiled, inlined
+from stimuli.motion.formats.scan_state import (
     BEGINS,
     ENDED,
     FULL,
@@ -125,7 +125,7 @@ def _value(
     return value, certain
 
 
-@kept
+@compiled(nogil=True)
 def _scaled(mantissa: np.uint64, power: int, high: Array, low: Array) -> tuple[float, bool]:
     """mantissa · 10^power by double-doubles (Dekker 1971), and whether its rounding is certain."""
     upper = float(mantissa >> np.uint64(32)) * 4294967296.0
@@ -148,7 +148,7 @@ def _scaled(mantissa: np.uint64, power: int, high: Array, low: Array) -> tuple[f
     return nearest, nearest + (left + doubt) == nearest and nearest + (left - doubt) == nearest
 
 
-@kept
+@compiled(nogil=True)
 def fill(
     codes: Codes, state: State, values: Array, usual: int, high: Array, low: Array
 ) -> tuple[int, int]:

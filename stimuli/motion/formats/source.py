@@ -18,16 +18,17 @@ MOST_FRAMES = 2_000_000  # 18 hours at 30 a second, 4 at 120
 MOST_ROTATIONS = 12_000_000
 LINE_END = r"\r{0,2}\n|\r"  # of any system, or of two in turn
 _LINE_END = re.compile(LINE_END.encode())
+_ANYTHING = re.compile(rb"\S")
 
 
 @dataclass(frozen=True, eq=False)
-class Source:
+class Take:
     """A motion as its file has it: the file's units, axes and rate.
 
     `offsets[0]` is the root's own offset. `moves` are the positions (F, 3) of joints below the
     root that have all three position channels, or whose positions vary: their offsets are the
-    means of these. `at_rest` marks frames whose root rotation channels are exactly 0. `world` is
-    the up axis where the format has one.
+    means of these, and `declared` those that the file has for them. `at_rest` marks frames whose
+    root is not turned at all. `world` is the up axis where the format has one.
     """
 
     format: str
@@ -41,6 +42,7 @@ class Source:
     fps: float
     loop: bool = False
     moves: Mapping[int, Array] = field(default_factory=dict)
+    declared: Array | None = None
     at_rest: np.ndarray | None = None
     world: str | None = None
     warnings: tuple[str, ...] = ()
@@ -61,7 +63,7 @@ def shown(text: str, limit: int = 40) -> str:
 def text_bytes(path: Path, data: bytes) -> bytes:
     """The bytes of a text in one of the encodings that hold ASCII; refuses what is no text."""
     todo = "Export the motion again, or take the original file."
-    if not data.strip():
+    if not _ANYTHING.search(data):
         raise fault(path, "a motion", "an empty file", todo)
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):
         try:
@@ -75,10 +77,10 @@ def text_bytes(path: Path, data: bytes) -> bytes:
         raise fault(path, "a motion", "a web page (HTML or XML)", "Download the file itself.")
     if b"\0" in data[:4096]:
         raise fault(path, "text", "binary data", todo)
-    return data.removeprefix(b"\xef\xbb\xbf")
+    return data.removeprefix(b"\xef\xbb\xbf").removesuffix(b"\x1a")  # a mark of DOS at the end
 
 
-def decode(path: Path, data: bytes) -> str:
+def text_of(path: Path, data: bytes) -> str:
     """The text of a file, lines ending in one way: UTF-8, UTF-16 with its mark, else Latin-1."""
     text = decoded(text_bytes(path, data))
     for end in ("\r\r\n", "\r\n", "\r"):
@@ -96,6 +98,8 @@ def decoded(data: bytes) -> str:
 
 def line_of(data: bytes, place: int) -> int:
     """The number of the line in which a byte lies."""
+    if data.find(b"\r", 0, place) < 0:
+        return 1 + data.count(b"\n", 0, place)
     return 1 + sum(1 for _ in _LINE_END.finditer(data, 0, place))
 
 
@@ -122,17 +126,17 @@ def check_size(path: Path, frames: int, joints: int, fps: float) -> None:
         )
 
 
-def depth_first(source: Source) -> Source:
+def depth_first(take: Take) -> Take:
     """The same motion with its joints in the order in which BVH lists them."""
-    order = depth_first_order(source.parents)
+    order = depth_first_order(take.parents)
     place = np.argsort(order)
-    ends = np.argsort(place[source.end_parents], kind="stable")
+    ends = np.argsort(place[take.end_parents], kind="stable")
     return replace(
-        source,
-        names=tuple(source.names[joint] for joint in order),
-        parents=np.array([-1, *place[source.parents[order[1:]]]]),
-        offsets=source.offsets[order],
-        end_parents=place[source.end_parents][ends],
-        end_offsets=source.end_offsets[ends],
-        rotations=source.rotations[:, order],
+        take,
+        names=tuple(take.names[joint] for joint in order),
+        parents=np.array([-1, *place[take.parents[order[1:]]]]),
+        offsets=take.offsets[order],
+        end_parents=place[take.end_parents][ends],
+        end_offsets=take.end_offsets[ends],
+        rotations=take.rotations[:, order],
     )

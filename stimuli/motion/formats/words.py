@@ -12,6 +12,7 @@ IN_BOUNDS = "below 1e9"  # as messages say it
 
 DECIMAL = r"[+-]?+(?:\d++(?:\.\d*+)?+|\.\d++)(?:e[+-]?+\d++)?+"  # of any case
 _DECIMAL = re.compile(DECIMAL, re.ASCII | re.IGNORECASE)
+_COMMENT = re.compile(r"(?<!\S)#")
 _WHOLE = re.compile(r"\d{1,15}", re.ASCII)
 
 
@@ -34,6 +35,11 @@ def decimals(words: Sequence[str]) -> list[float] | None:
     return numbers if len(numbers) == len(words) else None
 
 
-def whole(word: str) -> int | None:
+def whole_number(word: str) -> int | None:
     """The whole number that a word is; None when it is none, or has more than 15 digits."""
     return int(word) if _WHOLE.fullmatch(word) else None
+
+
+def without_comment(line: str) -> str:
+    """A line without what follows a # that begins a word; that in -1.#IND is no such."""
+    return _COMMENT.split(line, maxsplit=1)[0]

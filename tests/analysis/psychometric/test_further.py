@@ -16,7 +16,7 @@ from analysis.psychometric import (
     summarise,
 )
 from analysis.psychometric.compare import pool, same_function
-from analysis.psychometric.dprime import RULES, d_prime_of, proportion_of
+from analysis.psychometric.dprime import DECISION_RULES, d_prime_of, proportion_of
 from analysis.psychometric.opinion import second_opinion
 from analysis.psychometric.profile import profile_threshold, slope_interval
 from analysis.psychometric.random import fit_random_threshold
@@ -119,7 +119,7 @@ def test_p_of_same_function_is_even_under_the_null() -> None:
     assert 0.01 <= np.mean(np.array(sets) < 0.05) <= 0.11
 
 
-@pytest.mark.parametrize("rule", RULES)
+@pytest.mark.parametrize("rule", DECISION_RULES)
 def test_d_prime_and_back(rule: str) -> None:
     for d_prime in (0.3, 1.0, 2.5):
         assert d_prime_of(proportion_of(d_prime, rule), rule) == pytest.approx(d_prime)

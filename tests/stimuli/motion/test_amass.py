@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from stimuli.errors import InputError
-from stimuli.motion import Library, forward, load
+from stimuli.motion import Library, forward, load_clip
 from stimuli.motion.formats.amass import is_amass
 from stimuli.motion.formats.refused import REFUSED
 from stimuli.motion.roles import ROLES
@@ -54,7 +54,7 @@ def places(clip) -> dict[str, np.ndarray]:
 
 @pytest.mark.parametrize("compressed", [True, False])
 def test_a_walk_is_read_with_every_role(written, compressed):
-    clip = load(written(archive(), compressed))
+    clip = load_clip(written(archive(), compressed))
     assert (clip.format, clip.frames, clip.fps, clip.joints) == ("amass", FRAMES, 60.0, 52)
     assert (clip.scale, clip.up, clip.roles_missing) == (1.0, "Z", ())
     assert set(clip.motion.skeleton.roles) == set(ROLES)
@@ -65,7 +65,7 @@ def test_a_walk_is_read_with_every_role(written, compressed):
 
 
 def test_the_body_stands_walks_along_z_and_bends_its_knee_backwards(written):
-    found = places(load(written(archive())))
+    found = places(load_clip(written(archive())))
     assert np.allclose(found["pelvis"][:, 1], 0.986)
     assert np.allclose(np.diff(found["pelvis"][:, 2]), 0.04)
     assert np.allclose(found["right_ankle"][:, 1], 0.0663, atol=1e-3)
@@ -81,7 +81,7 @@ def test_rotation_vectors_are_those_of_the_joints(written):
     rng = np.random.default_rng(0)
     poses = rng.normal(0, 0.6, (FRAMES, 156))
     poses[:, :3] = UPRIGHT
-    clip = load(written(archive(poses=poses, mocap_framerate=np.array(30))))
+    clip = load_clip(written(archive(poses=poses, mocap_framerate=np.array(30))))
     names = ("spine2", "neck", "left_shoulder", "right_wrist")
     order = (6, 12, 16, 21)
     for name, joint in zip(names, order, strict=True):
@@ -97,25 +97,25 @@ def test_bodies_of_other_models_give_what_they_share(written, numbers, index):
     if index is not None:
         arrays["poses"][:, 3 * index + 2] = 0.7
     arrays["poses"] = arrays["poses"].astype(np.float32)
-    clip = load(written(arrays))
+    clip = load_clip(written(arrays))
     finger = clip.motion.skeleton.names.index("left_index1")
     turned = 2 * np.arcsin(clip.motion.rotations[:, finger, 3])
     assert np.allclose(turned, 0.7 if index else 0.0, atol=1e-6)
     assert any("left out" in note for note in clip.warnings) == (numbers != 156)
-    assert np.allclose(places(clip)["left_ankle"], places(load(written(archive())))["left_ankle"],
-                       atol=1e-5)  # fmt: skip
+    other = load_clip(written(archive()))
+    assert np.allclose(places(clip)["left_ankle"], places(other)["left_ankle"], atol=1e-5)
 
 
 def test_one_who_lies_lies_and_a_world_with_y_up_is_said(written):
     arrays = archive()
     arrays["poses"][:, :3] = 0.0  # on the back in a world whose Z is up
     arrays["trans"][:] = [0.0, 0.0, 0.12]
-    lying = load(written(arrays))
+    lying = load_clip(written(arrays))
     assert lying.up == "Z"
     assert np.ptp([place[:, 1].mean() for place in places(lying).values()]) < 0.6
     arrays["trans"][:] = [0.0, 0.986, 0.5]
     arrays["poses"][:, :3] = [0.0, 0.3, 0.0]
-    other = load(written(arrays))
+    other = load_clip(written(arrays))
     assert other.up == "Y"
     assert "amass has Z up, the body stands along Y: taken as up" in other.warnings
 
@@ -124,10 +124,10 @@ def test_a_rate_may_stand_under_either_name_or_be_given(written):
     arrays = archive()
     del arrays["mocap_framerate"]
     with pytest.raises(InputError, match="mocap_framerate, one number, found none"):
-        load(written(arrays))
-    assert load(written(arrays), fps=24).fps == 24
-    assert load(written(arrays | {"mocap_frame_rate": np.array(120)})).fps == 120
-    assert load(written(archive(mocap_framerate=np.array([59.96])))).fps == 60
+        load_clip(written(arrays))
+    assert load_clip(written(arrays), fps=24).fps == 24
+    assert load_clip(written(arrays | {"mocap_frame_rate": np.array(120)})).fps == 120
+    assert load_clip(written(archive(mocap_framerate=np.array([59.96])))).fps == 60
 
 
 @pytest.mark.parametrize(
@@ -151,14 +151,14 @@ def test_a_rate_may_stand_under_either_name_or_be_given(written):
 )
 def test_what_is_no_motion_is_refused(written, changes, told):
     with pytest.raises(InputError, match=told) as caught:
-        load(written(archive(**changes)))
+        load_clip(written(archive(**changes)))
     assert len(str(caught.value).splitlines()) <= 2
 
 
 def test_other_archives_are_refused_and_not_listed(written, tmp_path):
     path = written({"betas": np.zeros(16), "gender": np.array("male")})
     with pytest.raises(InputError, match="betas, gender: no poses and no trans"):
-        load(path)
+        load_clip(path)
     assert not is_amass(path)
     assert Library([tmp_path]).paths() == ()
     written(archive())
@@ -176,7 +176,7 @@ def test_an_archive_that_claims_to_be_huge_is_not_unpacked(tmp_path):
         archive_file.writestr("poses.npy", header.getvalue())
         archive_file.writestr("trans.npy", header.getvalue())
     with pytest.raises(InputError, match=r"at most 300,000,000 bytes"):
-        load(tmp_path / "a.npz")
+        load_clip(tmp_path / "a.npz")
 
 
 @settings(
@@ -192,7 +192,7 @@ def test_a_damaged_archive_is_a_motion_or_a_refusal(written, data):
         content[start : start + data.draw(st.integers(0, 9))] = data.draw(st.binary(max_size=9))
     path.write_bytes(content)
     try:
-        motion = load(path).motion
+        motion = load_clip(path).motion
     except InputError:
         return
     assert np.all(np.isfinite(motion.rotations))
@@ -204,7 +204,7 @@ def test_other_formats_are_refused_with_what_to_convert_with(tmp_path, suffix):
     path = tmp_path / f"walk{suffix.upper()}"
     path.write_bytes(b"anything")
     with pytest.raises(InputError) as caught:
-        load(path)
+        load_clip(path)
     where, todo = str(caught.value).splitlines()
     assert where.startswith(f"{path}: expected joint rotations of a skeleton, found ")
     assert "BVH" in todo or ".npz" in todo
@@ -213,4 +213,4 @@ def test_other_formats_are_refused_with_what_to_convert_with(tmp_path, suffix):
 def test_a_format_nobody_knows_is_refused_too(tmp_path):
     (tmp_path / "walk.xyz").write_bytes(b"x")
     with pytest.raises(InputError, match=r"known format .* found \.xyz"):
-        load(tmp_path / "walk.xyz")
+        load_clip(tmp_path / "walk.xyz")

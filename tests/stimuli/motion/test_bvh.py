@@ -13,13 +13,13 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from stimuli.errors import InputError
-from stimuli.motion import Motion, forward, load, write_walker
+from stimuli.motion import Motion, forward, load_clip, write_walker
 from stimuli.motion import quaternions as quat
 from stimuli.motion.formats import bvh_table
 from stimuli.motion.formats.bvh import read_bvh
 from stimuli.motion.formats.bvh_write import write_bvh
 from stimuli.motion.formats.numbers import number_blocks, parse_numbers, plain_blocks
-from stimuli.motion.formats.scan import (
+from stimuli.motion.formats.scan_state import (
     LINES,
     ODD_BEGINS,
     ODD_LINE,
@@ -27,7 +27,7 @@ from stimuli.motion.formats.scan import (
     ODD_WORDS,
     new_state,
 )
-from stimuli.motion.formats.words import decimal, whole
+from stimuli.motion.formats.words import decimal, whole_number
 from stimuli.motion.skeleton import depth_first_order
 from tests.conftest import SHARED
 
@@ -75,7 +75,7 @@ def largest_angle(motion: Motion, back: Motion) -> float:
 def test_a_motion_written_reads_back_to_1e_4_degrees(bodies, tmp_path):
     motion = bodies.wandering(40, 1)
     write_bvh(motion, tmp_path / "out.bvh")
-    back = load(tmp_path / "out.bvh", scale=0.01)
+    back = load_clip(tmp_path / "out.bvh", scale=0.01)
     assert back.joints == len(motion.skeleton)
     assert back.fps == 30.0
     assert largest_angle(motion, back.motion) < 1e-4
@@ -90,7 +90,7 @@ def test_a_root_at_rest_in_the_first_frames_is_no_rest_pose_of_an_exporter(bodie
     motion = bodies.wandering(60, 1)
     motion.rotations[:rests, 0] = quat.IDENTITY
     write_bvh(motion, tmp_path / "out.bvh")
-    back = load(tmp_path / "out.bvh", scale=0.01)
+    back = load_clip(tmp_path / "out.bvh", scale=0.01)
     assert len(back.motion) == 60
     assert not back.warnings
     assert largest_angle(motion, back.motion) < 1e-5
@@ -100,9 +100,9 @@ def test_what_was_read_written_and_read_has_its_source_s_hierarchy(tmp_path, sam
     paths = [write_walker(tmp_path), sample_motions / "humanoid3d_spin.json"]
     captured = [SHARED / "cmu_asfamc" / "16_41.amc", SHARED / "cmu_bvh" / "05_13.bvh"]
     for path in (*paths, *captured * SHARED.is_dir()):
-        skeleton = load(path).motion.skeleton
-        write_bvh(load(path).motion, tmp_path / "out.bvh")
-        back = load(tmp_path / "out.bvh", scale=0.01, up="Y").motion.skeleton
+        skeleton = load_clip(path).motion.skeleton
+        write_bvh(load_clip(path).motion, tmp_path / "out.bvh")
+        back = load_clip(tmp_path / "out.bvh", scale=0.01, up="Y").motion.skeleton
         assert back.same_hierarchy(skeleton), path
         assert depth_first_order(skeleton.parents) == list(range(len(skeleton)))
         assert np.array_equal(back.end_parents, skeleton.end_parents)
@@ -119,9 +119,9 @@ CAPTURED = [
 
 @pytest.mark.parametrize("name", SAMPLES + CAPTURED * SHARED.is_dir())
 def test_captured_motions_written_read_back(sample_motions, tmp_path, name):
-    clip = load((sample_motions if name in SAMPLES else SHARED) / name)
+    clip = load_clip((sample_motions if name in SAMPLES else SHARED) / name)
     write_bvh(clip.motion, tmp_path / "out.bvh")
-    back = load(tmp_path / "out.bvh", scale=0.01, up="Y").motion
+    back = load_clip(tmp_path / "out.bvh", scale=0.01, up="Y").motion
     assert largest_angle(clip.motion, back) < 1e-4
     p, _ = forward(clip.motion.skeleton, clip.motion.rotations, clip.motion.root)
     q, _ = forward(back.skeleton, back.rotations, back.root)
@@ -137,7 +137,7 @@ def test_gimbal_lock_is_written_and_read_back(bodies, tmp_path):
     rotations[:] = quat.from_euler(angles, "ZYX")
     locked = Motion(motion.skeleton, rotations, motion.root)
     write_bvh(locked, tmp_path / "out.bvh")
-    assert largest_angle(locked, load(tmp_path / "out.bvh", scale=0.01).motion) < 1e-4
+    assert largest_angle(locked, load_clip(tmp_path / "out.bvh", scale=0.01).motion) < 1e-4
 
 
 def test_other_readers_read_what_is_written(bodies, tmp_path):
@@ -222,7 +222,7 @@ def test_joints_without_channels_may_not_fill_the_memory():
 
 @given(st.text(max_size=12))
 def test_a_word_is_a_number_only_in_plain_notation(word):
-    number, count = decimal(word), whole(word)
+    number, count = decimal(word), whole_number(word)
     plain = word.isascii() and "_" not in word and word == word.strip()
     try:
         expected = float(word)

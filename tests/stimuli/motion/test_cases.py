@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from stimuli.errors import InputError
-from stimuli.motion import Clip, forward, load
+from stimuli.motion import Clip, forward, load_clip
 
 CASES = Path(__file__).resolve().parents[4] / "shared" / "cases" / "motion"
 
@@ -51,7 +51,7 @@ if not ROWS:
 
 def case(name: str) -> Clip:
     path = CASES / name
-    return load(path / "x_01.amc" if path.is_dir() else path)
+    return load_clip(path / "x_01.amc" if path.is_dir() else path)
 
 
 def places(clip: Clip) -> np.ndarray:

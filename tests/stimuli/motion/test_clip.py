@@ -1,5 +1,6 @@
 """Units, axes, rest poses, rates, roles, overrides: what a clip is brought to."""
 
+import re
 import warnings
 from pathlib import Path
 
@@ -7,7 +8,7 @@ import numpy as np
 import pytest
 
 from stimuli.errors import InputError, InputWarning
-from stimuli.motion import forward, load
+from stimuli.motion import forward, load_clip
 from stimuli.motion import quaternions as quat
 from stimuli.motion.formats.source import check_size
 from stimuli.motion.resample import resampled
@@ -61,7 +62,7 @@ def clip(tmp_path):
 
     def loaded(text: str, name: str = "clip.bvh", **options):
         (tmp_path / name).write_text(text)
-        return load(tmp_path / name, **options)
+        return load_clip(tmp_path / name, **options)
 
     return loaded
 
@@ -210,6 +211,17 @@ NAMES = {
     "左つま先 右肩 右腕 右ひじ 右手首 右足 右ひざ 右足首 右つま先",
     "hip, knee, foot": "hips spine chest neck head l_clavicle l_shoulder l_elbow l_hand l_hip "
     "l_knee l_foot l_toe r_clavicle r_shoulder r_elbow r_hand r_hip r_knee r_foot r_toe",
+    "sides as small letters": "hips spine chest neck head lcollar lshoulder lelbow lwrist lhip "
+    "lknee lankle ltoes rcollar rshoulder relbow rwrist rhip rknee rankle rtoes",
+    "kinect, with clavicles": "PELVIS SPINE_NAVEL SPINE_CHEST NECK HEAD CLAVICLE_LEFT "
+    "SHOULDER_LEFT ELBOW_LEFT WRIST_LEFT HIP_LEFT KNEE_LEFT ANKLE_LEFT FOOT_LEFT CLAVICLE_RIGHT "
+    "SHOULDER_RIGHT ELBOW_RIGHT WRIST_RIGHT HIP_RIGHT KNEE_RIGHT ANKLE_RIGHT FOOT_RIGHT",
+    "unity": "Hips Spine UpperChest Neck Head LeftShoulder LeftUpperArm LeftLowerArm LeftHand "
+    "LeftUpperLeg LeftLowerLeg LeftFoot LeftToes RightShoulder RightUpperArm RightLowerArm "
+    "RightHand RightUpperLeg RightLowerLeg RightFoot RightToes",
+    "auto-rig pro": "c_root spine_01.x spine_03.x neck.x head.x shoulder.l arm_stretch.l "
+    "forearm_stretch.l hand.l thigh_stretch.l leg_stretch.l foot.l toes_01.l shoulder.r "
+    "arm_stretch.r forearm_stretch.r hand.r thigh_stretch.r leg_stretch.r foot.r toes_01.r",
     "sides as capitals": "Hips Spine Chest Neck Head ClavicleL UpperArmL ForearmL HandL ThighL "
     "CalfL FootL ToeL ClavicleR UpperArmR ForearmR HandR ThighR CalfR FootR ToeR",
     "unreal": "pelvis spine_01 spine_03 neck_01 head clavicle_l upperarm_l lowerarm_l hand_l "
@@ -228,6 +240,8 @@ BIPED = (
     "L_Toe0 R_Clavicle R_UpperArm R_Forearm R_Hand R_Thigh R_Calf R_Foot R_Toe0"
 )
 NAMES["valve"] = " ".join(f"ValveBiped.Bip01_{name}" for name in BIPED.split())
+NAMES["rigify"] = " ".join(f"DEF-{name}" for name in NAMES["blender"].split())
+NAMES["words"] = "|".join(re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name) for name in MIXAMO.split())
 NAMES["a suffix"] = " ".join(f"{name}_bone" for name in MIXAMO.split())
 NAMES["mixamo"] = " ".join(f"mixamorig:{name}" for name in MIXAMO.split())
 PARENTS = np.array([-1, 0, 1, 2, 3, 2, 5, 6, 7, 0, 9, 10, 11, 2, 13, 14, 15, 0, 17, 18, 19])
@@ -239,7 +253,7 @@ ORDER = ["pelvis", "spine", "chest", "neck", "head"] + [
 
 @pytest.mark.parametrize("family", NAMES)
 def test_roles_are_resolved_by_conventions_of_names(family):
-    names = NAMES[family].split()
+    names = NAMES[family].split("|" if "|" in NAMES[family] else None)
     moving = quat.about("X", np.array([0.0, 0.3]))[:, None] * np.ones((1, len(names), 1))
     roles = resolve_roles(names, PARENTS, moving)
     assert roles == {role: joint for joint, role in enumerate(ORDER)}
@@ -377,11 +391,11 @@ def test_a_directory_of_clips_is_warned_of_once_listed_once_and_its_overrides_re
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("default")
         for name in names:
-            load(tmp_path / name)
+            load_clip(tmp_path / name)
     assert len(told) == 1
     assert sorted(calls) == ["iterdir", "read_text"]
     (tmp_path / "overrides.toml").write_text("fps = 60")
-    assert load(tmp_path / "0.bvh").fps == 60
+    assert load_clip(tmp_path / "0.bvh").fps == 60
     assert sorted(calls) == ["iterdir", "read_text", "read_text"]
 
 
@@ -409,4 +423,4 @@ def test_unknown_formats_and_missing_files_are_refused(tmp_path):
     (tmp_path / "a.xyz").write_bytes(b"x")
     for name, told in (("a.xyz", "known format"), ("b.bvh", "none")):
         with pytest.raises(InputError, match=told):
-            load(tmp_path / name)
+            load_clip(tmp_path / name)

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from stimuli.errors import InputError
-from stimuli.motion import forward, load
+from stimuli.motion import forward, load_clip
 from stimuli.motion import quaternions as quat
 from stimuli.motion.formats import acclaim_poses
 from stimuli.motion.formats.acclaim_skeleton import read_asf
@@ -77,7 +77,7 @@ def acclaim(tmp_path):
 
 
 def test_a_bone_turns_in_the_frame_of_its_axis(acclaim):
-    motion = load(acclaim(), scale=1.0, up="Y").motion
+    motion = load_clip(acclaim(), scale=1.0, up="Y").motion
     positions, _ = forward(motion.skeleton, motion.rotations, motion.root)
     axis = quat.about("Z", np.radians(30))
     inner = quat.multiply(
@@ -92,7 +92,7 @@ def test_a_bone_turns_in_the_frame_of_its_axis(acclaim):
 
 
 def test_radians_and_degrees_are_the_same_motion(acclaim):
-    degrees = load(acclaim(), scale=1.0, up="Y").motion
+    degrees = load_clip(acclaim(), scale=1.0, up="Y").motion
     lines = []
     for line in AMC.replace(":DEGREES", ":RADIANS").splitlines():
         name, *values = line.split()
@@ -102,15 +102,15 @@ def test_radians_and_degrees_are_the_same_motion(acclaim):
             values = [repr(float(np.radians(float(v)))) for v in values]
         lines.append(" ".join([name, *values]))
     asf = ASF.replace("angle deg", "angle rad").replace("0 0 30", f"0 0 {float(np.radians(30))!r}")
-    radians = load(acclaim(asf, "\n".join(lines)), scale=1.0, up="Y").motion
+    radians = load_clip(acclaim(asf, "\n".join(lines)), scale=1.0, up="Y").motion
     assert np.allclose(radians.rotations, degrees.rotations, atol=1e-12)
 
 
 def test_any_rate_can_be_given_and_120_is_taken_otherwise(acclaim):
-    assert load(acclaim(), scale=1.0).fps == 120
-    assert load(acclaim(), scale=1.0, fps=59.94).fps == pytest.approx(60, rel=2e-3)
+    assert load_clip(acclaim(), scale=1.0).fps == 120
+    assert load_clip(acclaim(), scale=1.0, fps=59.94).fps == pytest.approx(60, rel=2e-3)
     (acclaim().parent / "overrides.toml").write_text("fps = 60\n")
-    assert load(acclaim(), scale=1.0).fps == 60
+    assert load_clip(acclaim(), scale=1.0).fps == 60
 
 
 @pytest.mark.parametrize(
@@ -139,7 +139,7 @@ def test_any_rate_can_be_given_and_120_is_taken_otherwise(acclaim):
 )
 def test_faults_of_acclaim_are_named(acclaim, asf, amc, told):
     with pytest.raises(InputError, match=told):
-        load(acclaim(ASF.replace(*asf, 1), AMC.replace(*amc, 1)))
+        load_clip(acclaim(ASF.replace(*asf, 1), AMC.replace(*amc, 1)))
 
 
 def poses_alike(amc: str, name: str = "07_01") -> bool:
@@ -178,7 +178,7 @@ def test_frames_laid_out_alike_are_read_as_one_table(acclaim, change, regular):
     amc = AMC.replace(*change)
     assert poses_alike(amc) == regular
     (acclaim().parent / "07_01.amc").write_text(amc)
-    assert len(load(acclaim().parent / "07_01.amc").motion) == 1
+    assert len(load_clip(acclaim().parent / "07_01.amc").motion) == 1
 
 
 @settings(max_examples=300, deadline=None)
@@ -203,19 +203,19 @@ def test_a_skeleton_that_cannot_be_read_is_a_refusal(tmp_path):
     (tmp_path / "07.asf").mkdir()
     (tmp_path / "07_01.amc").write_text(AMC)
     with pytest.raises(InputError, match=r"07\.asf: expected a file to read"):
-        load(tmp_path / "07_01.amc")
+        load_clip(tmp_path / "07_01.amc")
 
 
 def test_an_amc_without_its_skeleton_says_which_is_missing(tmp_path):
     (tmp_path / "07_01.amc").write_text(AMC)
     with pytest.raises(InputError, match=r"07\.asf"):
-        load(tmp_path / "07_01.amc")
+        load_clip(tmp_path / "07_01.amc")
 
 
 def test_acclaim_and_its_bvh_conversion_are_one_motion(motions):
     for name in ("05_13", "16_41"):
-        a = load(motions / "cmu_asfamc" / f"{name}.amc").motion
-        b = load(motions / "cmu_from_amc_bvh" / f"{name}.bvh").motion
+        a = load_clip(motions / "cmu_asfamc" / f"{name}.amc").motion
+        b = load_clip(motions / "cmu_from_amc_bvh" / f"{name}.bvh").motion
         order = [a.skeleton.names.index(joint) for joint in b.skeleton.names]
         p, _ = forward(a.skeleton, a.rotations, a.root)
         q, _ = forward(b.skeleton, b.rotations, b.root)
@@ -233,7 +233,7 @@ def test_damaged_acclaim_is_a_motion_or_a_refusal(tmp_path_factory, data):
             text[:start] + data.draw(st.text("0 19-e:\nxr", max_size=4)) + text[end:]
         )
     try:
-        clip = load(folder / "07_01.amc")
+        clip = load_clip(folder / "07_01.amc")
     except InputError:
         return
     assert np.all(np.isfinite(clip.motion.rotations))
@@ -242,7 +242,7 @@ def test_damaged_acclaim_is_a_motion_or_a_refusal(tmp_path_factory, data):
 
 def test_c3d_is_refused_with_what_to_convert_it_with(motions):
     with pytest.raises(InputError, match="markers and no skeleton"):
-        load(motions / "cmu_c3d" / "05_13.c3d")
+        load_clip(motions / "cmu_c3d" / "05_13.c3d")
 
 
 def frame(duration: float = 1 / 30, **changes: float) -> list[float]:
@@ -310,7 +310,7 @@ def test_every_captured_clip_loads_with_the_roles_that_are_needed(corpus, sample
     folder, least = {"sample": (sample_motions, 20), "captured": (SHARED, 145)}[corpus]
     paths = [p for p in clips_under(folder) if p.parent.name not in ("messy", "cmu_c3d")]
     for path in paths:
-        clip = load(path)
+        clip = load_clip(path)
         assert needed <= set(clip.motion.skeleton.roles), path
         assert np.all(np.isfinite(clip.motion.root)), path
     assert len(paths) >= least

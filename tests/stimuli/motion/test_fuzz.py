@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from stimuli.errors import InputError
-from stimuli.motion import load, write_walker
+from stimuli.motion import load_clip, write_walker
 from stimuli.motion.formats.bvh_write import write_bvh
 from stimuli.motion.formats.source import MOST_ROTATIONS
 
@@ -96,7 +96,7 @@ def fuzz(whole: bytes, path: Path, damage: Callable, rounds: int) -> None:
     for _ in range(rounds):
         path.write_bytes(damage(whole, rng))
         try:
-            motion = load(path).motion
+            motion = load_clip(path).motion
         except InputError as error:
             refusals.append(str(error))
             continue
@@ -132,9 +132,9 @@ def test_rates_and_counts_of_any_size_neither(bodies, tmp_path):
 
 READ_AND_TELL = """
 import sys
-from stimuli.motion import load
+from stimuli.motion import load_clip
 from tests.stimuli.motion.test_fuzz import peak
-print(load(sys.argv[1], up="Z").motion.rotations.size // 4, peak())
+print(load_clip(sys.argv[1], up="Z").motion.rotations.size // 4, peak())
 """
 
 

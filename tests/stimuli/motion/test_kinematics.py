@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from stimuli.motion import end_positions, forward, heading, load
+from stimuli.motion import end_positions, forward, heading, load_clip
 from stimuli.motion import quaternions as quat
 from stimuli.motion.kinematics import _by_levels, _followed, headings, joint_positions, placed
 from tests.conftest import SHARED
@@ -43,7 +43,7 @@ def test_forward_kinematics_is_the_product_of_matrices(bodies):
 def test_forward_kinematics_of_captured_motions(sample_motions):
     captured = [SHARED / "cmu_bvh/05_13.bvh", SHARED / "other_bvh/rokoko_jesse_dance.bvh"]
     for path in [sample_motions / "humanoid3d_spin.json"] + captured * SHARED.is_dir():
-        assert_forward_agrees(load(path).motion, (0, 50, 100))
+        assert_forward_agrees(load_clip(path).motion, (0, 50, 100))
 
 
 def test_forward_broadcasts_over_leading_axes(bodies):

@@ -16,7 +16,7 @@ from stimuli.motion import (
     Motion,
     end_positions,
     forward,
-    load,
+    load_clip,
     motion_directories,
     samples,
     unroll,
@@ -86,7 +86,7 @@ def test_of_the_wheel_only_the_clips_of_the_humanoid_are_kept(tmp_path, monkeypa
     assert [path.name for path in kept] == ["humanoid3d_walk.json", "turn.json"]
     assert sorted(p.name for p in (tmp_path / "library").iterdir()) == [
         "SOURCE.md", "humanoid3d_walk.json", "turn.json"]  # fmt: skip
-    assert load(kept[0]).motion.loop
+    assert load_clip(kept[0]).motion.loop
 
 
 def test_another_wheel_is_refused_and_nothing_kept(tmp_path, monkeypatch):
@@ -134,7 +134,7 @@ def test_the_walkers_standing_foot_stays(tmp_path):
              "turn_left1", "humanoid3d_dance_b"],
 )  # fmt: skip
 def test_loops_unroll_without_a_seam(sample_motions, name):
-    motion = load(sample_motions / f"{name}.json").motion
+    motion = load_clip(sample_motions / f"{name}.json").motion
     longer, shift = unroll(motion, 40, 150)
     assert shift >= 40
     assert len(longer) - shift - len(motion) >= 149
@@ -156,7 +156,7 @@ def test_loops_unroll_without_a_seam(sample_motions, name):
 
 
 def test_displacement_and_heading_of_a_cycle_accumulate(sample_motions):
-    motion = load(sample_motions / "turn_left1.json").motion
+    motion = load_clip(sample_motions / "turn_left1.json").motion
     cycle = motion.cycle
     longer, shift = unroll(motion, 0, 120)
     assert shift == 0

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from stimuli.errors import InputError
-from stimuli.motion import forward, load
+from stimuli.motion import forward, load_clip
 from tests.conftest import ABSENT
 
 MESSY = Path(__file__).resolve().parents[4] / "shared" / "motions" / "messy"
@@ -41,7 +41,7 @@ def files(kind: str) -> list[str]:
 
 
 def positions(name: str) -> np.ndarray:
-    motion = load(MESSY / name).motion
+    motion = load_clip(MESSY / name).motion
     return forward(motion.skeleton, motion.rotations, motion.root)[0]
 
 
@@ -52,7 +52,7 @@ if not rows():
 @pytest.mark.parametrize("name", sorted(SAID.keys() & {row["path"] for row in rows()}))
 def test_malformed_files_are_refused_with_what_a_person_needs(name: str):
     with pytest.raises(InputError) as caught:
-        load(MESSY / name)
+        load_clip(MESSY / name)
     message = str(caught.value)
     assert name in message
     assert len(message.splitlines()) <= 2
@@ -78,25 +78,25 @@ def test_carriage_returns_in_amc():
 
 
 def test_base_has_what_the_manifest_says():
-    base = load(MESSY / "base.bvh")
+    base = load_clip(MESSY / "base.bvh")
     assert (base.frames, base.joints, base.fps) == (30, 31, 120.0)
 
 
 def test_acclaim_reference_has_what_the_manifest_says():
-    clip = load(MESSY / "ok.amc", fps=60)
+    clip = load_clip(MESSY / "ok.amc", fps=60)
     assert (clip.frames, clip.joints, clip.fps) == (20, 31, 60.0)
-    assert load(MESSY / "ok.amc").fps == 120.0
-    assert "120" in load(MESSY / "ok.amc").warnings[0]
+    assert load_clip(MESSY / "ok.amc").fps == 120.0
+    assert "120" in load_clip(MESSY / "ok.amc").warnings[0]
 
 
 def test_a_header_that_counts_too_few_frames_warns():
-    clip = load(MESSY / "count_too_low.bvh")
+    clip = load_clip(MESSY / "count_too_low.bvh")
     assert clip.frames == 25
     assert "30 are there" in clip.warnings[0]
 
 
 def test_a_rounded_frame_time_is_sixty_a_second():
-    assert load(MESSY / "ft_60hz_rounded.bvh").fps == 60.0
+    assert load_clip(MESSY / "ft_60hz_rounded.bvh").fps == 60.0
 
 
 @pytest.mark.parametrize(
@@ -112,12 +112,12 @@ def test_a_rounded_frame_time_is_sixty_a_second():
     ],
 )
 def test_real_files(name: str, frames: int, joints: int, fps: float, up: str):
-    clip = load(MESSY / name)
+    clip = load_clip(MESSY / name)
     assert (clip.frames, clip.joints, clip.fps, clip.up) == (frames, joints, fps, up)
 
 
 def test_angles_that_wrap_are_interpolated_as_rotations():
-    wrapped, base = (load(MESSY / f"{name}.bvh", fps=50).motion
+    wrapped, base = (load_clip(MESSY / f"{name}.bvh", fps=50).motion
                      for name in ("degrees_wrapped", "base"))  # fmt: skip
     dots = np.abs(np.einsum("fji,fji->fj", wrapped.rotations, base.rotations))
     assert np.all(dots > 1 - 1e-9)

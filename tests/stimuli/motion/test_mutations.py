@@ -13,7 +13,7 @@ import pytest
 
 from stimuli.errors import InputError
 from stimuli.motion.formats.bvh import read_bvh
-from stimuli.motion.formats.source import Source, decode
+from stimuli.motion.formats.source import Take, text_of
 
 TWO = """HIERARCHY
 ROOT Hips
@@ -37,6 +37,7 @@ Frame Time: 0.033333
 1.0 90.0 2.5 10.0 20.0 30.0 1.0 2.0 3.5
 """
 SHARED = Path(__file__).resolve().parents[4] / "shared" / "motions"
+ABSENT = "captured motion of another licence"
 REAL = sorted(
     path for path in SHARED.rglob("*.bvh")
     if path.parent.name != "messy" or path.name.startswith("real_")
@@ -120,6 +121,7 @@ LAYOUTS: Mapping[str, Change] = {
     "blanks of other alphabets": body(sub(" +", "\u00a0\u3000")),
     "blanks at line ends": sub("$", "  \t"),
     "no line end at the end": str.rstrip,
+    "a mark of DOS at the end": lambda text: text + "\x1a",
     "exponents": body(lambda text: re.sub(
         r"\S+", lambda word: word[0] if "e" in word[0].lower() else word[0] + "e+00", text)),
     "many digits": body(sub(r"(?<=\.)([0-9]+)(?=\s)", r"\g<1>000000000000000000")),
@@ -146,6 +148,7 @@ FAULTS: Mapping[str, Change] = {
     "decimal commas": body(sub(r"\.", ",")),
     "semicolons": body(sub(r"(?<=\S) +(?=\S)", ";")),
     "no number": body(sub(r"\S+", "nan", 1)),
+    "a number that its program could not print": body(sub(r"\S+", "-1.#IND", 1)),
     "a bare exponent": body(sub(r"\S+", "0e", 1)),
     "words at the end": lambda text: text.rstrip() + "\nEND\n",
     "a number too few": lambda text: re.sub(r"\S+\s*$", "", text),
@@ -162,11 +165,11 @@ FAULTS: Mapping[str, Change] = {
 }  # fmt: skip
 
 
-def read(text: str | bytes) -> Source:
+def read(text: str | bytes) -> Take:
     return read_bvh(Path("clip.bvh"), text.encode() if isinstance(text, str) else text)
 
 
-def assert_alike(found: Source, wanted: Source) -> None:
+def assert_alike(found: Take, wanted: Take) -> None:
     assert found.parents.tolist() == wanted.parents.tolist()
     assert found.end_parents.tolist() == wanted.end_parents.tolist()
     assert found.fps == wanted.fps
@@ -211,6 +214,10 @@ def test_what_is_missing_twice_or_malformed_is_refused(fault):
         ("an OFFSET of four numbers", "clip.bvh:4: expected OFFSET and three numbers"),
         ("a wrong count of channels", "clip.bvh:9: "),
         ("a bare exponent", "clip.bvh:19: expected a number, found '0e'"),
+        (
+            "a number that its program could not print",
+            "clip.bvh:19: expected a number, found '-1.#IND'",
+        ),
         ("a number in the next line", "clip.bvh:19: expected 2 frames of 9 numbers"),
         ("words at the end", "clip.bvh:21: expected a number, found 'END'"),
     ],
@@ -221,9 +228,11 @@ def test_a_refusal_names_line_and_joint(fault, told):
         assert told in assert_refused(ends(line_ends)(str(FAULTS[fault](TWO))))
 
 
-def mutate_real(path: Path) -> None:
+def mutate_real(path: Path | None) -> None:
     """Every layout and fault over a captured file."""
-    text = decode(path, path.read_bytes())
+    if path is None:
+        pytest.skip(ABSENT)
+    text = text_of(path, path.read_bytes())
     wanted = read(text)
     for name, change in LAYOUTS.items():
         try:
@@ -232,19 +241,20 @@ def mutate_real(path: Path) -> None:
             raise AssertionError(f"{path.name}: {name}") from error
     for name, change in FAULTS.items():
         changed = change(text)
-        if changed != text:
+        wraps = name == "a number in the next line" and len(wanted.root) == 1
+        if changed != text and not wraps:
             try:
                 assert_refused(changed)
             except BaseException as error:
                 raise AssertionError(f"{path.name}: {name}") from error
 
 
-@pytest.mark.parametrize("path", SAMPLE, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", SAMPLE or [None], ids=lambda path: path and path.stem)
 def test_layouts_and_faults_of_some_captured_files(path):
     mutate_real(path)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("path", REAL, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", REAL or [None], ids=lambda path: path and path.stem)
 def test_layouts_and_faults_of_every_captured_file(path):
     mutate_real(path)

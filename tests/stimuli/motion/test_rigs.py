@@ -8,10 +8,12 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from stimuli.errors import InputError
-from stimuli.motion import forward, load
+from stimuli.motion import forward, load_clip
 from stimuli.motion import quaternions as quat
+from stimuli.motion.library import clips_under
 from stimuli.motion.listing import roles_as_overrides
 from stimuli.motion.roles import LIMBS, ROLES
+from stimuli.motion.shape import shape_roles
 
 LISTED = (
     "Hips Spine Chest Neck Head LeftShoulder LeftArm LeftForeArm LeftHand RightShoulder RightArm "
@@ -142,7 +144,7 @@ def read(tmp_path) -> Callable:
     def loaded(rig, **options):
         text = rig if isinstance(rig, str) else rig.text()
         (tmp_path / "clip.bvh").write_text(text, encoding="utf-8")
-        return load(tmp_path / "clip.bvh", **options)
+        return load_clip(tmp_path / "clip.bvh", **options)
 
     return loaded
 
@@ -200,6 +202,39 @@ def test_hips_that_do_not_move_below_a_root_that_does_are_left_there(read):
     hips = sorted(found.motion.skeleton.names).index("Hips")
     assert np.allclose(places(found)[:, hips, 1], 0.01 * rig.positions[:, 0, 1], atol=1e-6)
     assert not found.warnings
+
+
+def test_hips_may_be_relative_to_their_offset_as_a_root_may(read):
+    rig = under(walker(), "root", STILL, NOWHERE)
+    rig.offsets[1] = [0.0, 87.0, 0.0]
+    rig.positions[:, 1] -= rig.offsets[1]
+    found = read(rig)
+    assert np.allclose(places(found), places(read(walker())), atol=1e-6)
+    assert "the root's position channels are relative to its OFFSET: added to it" in found.warnings
+
+
+def test_an_armature_without_channels_is_folded_too(read):
+    text = under(walker(), "Armature", STILL, NOWHERE).text()
+    text = text.replace(text[text.index("CHANNELS 6") :].split("\n")[0], "CHANNELS 0", 1)
+    head, rows = text.split("Frame Time: 0.0333333\n")
+    rows = "\n".join(" ".join(row.split()[6:]) for row in rows.splitlines())
+    found = read(f"{head}Frame Time: 0.0333333\n{rows}\n")
+    assert np.allclose(places(found), places(read(walker())), atol=1e-6)
+    assert found.warnings == ("Hips carries the body: Armature above it folded in",)
+
+
+@pytest.mark.parametrize("above", ["", "root"])
+def test_a_body_without_legs_is_carried_by_what_moves(read, above):
+    """Arms, trunk and head, with positions on every joint."""
+    rig, count = walker(), 13
+    taken = [f * len(NAMES) + k for f in range(FRAMES) for k in range(count)]
+    bust = Rig(rig.names[:count], rig.parents[:count], rig.offsets[:count],
+               {k: end for k, end in ENDS.items() if k < count}, rig.rotations[taken],
+               rig.positions[:, :count], tuple(range(count)))  # fmt: skip
+    whole = under(bust, above, STILL, NOWHERE) if above else bust
+    found = read(replace(whole, moving=tuple(range(len(whole.names)))), scale=0.01)
+    assert found.motion.skeleton.names == bust.names
+    assert np.allclose(found.motion.root, 0.01 * rig.positions[:, 0], atol=1e-6)
 
 
 def test_limbs_that_stretch_carry_nothing(read):
@@ -380,6 +415,32 @@ def test_names_rule_over_the_shape(read):
     assert found.motion.skeleton.names[found.motion.skeleton.roles["left_wrist"]] == "thing"
 
 
+@pytest.mark.parametrize("named", [False, True])
+def test_without_feet_only_a_name_tells_left_from_right(read, named):
+    """Shanks that end in end sites: nothing shows where the body faces."""
+    kept = [k for k in range(len(NAMES)) if not NAMES[k].endswith(("Foot", "Toe"))]
+    place = {old: new for new, old in enumerate(kept)}
+    rig = walker()
+    ends = {place[joint]: end for joint, end in ENDS.items() if joint in place}
+    ends |= {place[joint]: (0, -41, 0) for joint in (14, 18)}
+    names = [f"bone {k}" for k in kept]
+    if named:
+        names[place[14]] = "LeftShin"
+    lame = Rig(
+        names=tuple(names),
+        parents=tuple(place.get(PARENTS[k], -1) for k in kept),
+        offsets=rig.offsets[kept],
+        ends=ends,
+        rotations=rig.rotations[[f * len(NAMES) + k for f in range(FRAMES) for k in kept]],
+        positions=rig.positions[:, kept],
+    )
+    roles = read(lame, scale=0.01).motion.skeleton.roles
+    assert roles["head"] == place[4]
+    assert ("left_hip" in roles) == named
+    if named:
+        assert (roles["left_hip"], roles["right_elbow"]) == (place[13], place[11])
+
+
 def test_what_is_no_body_gets_no_roles(read):
     arms = [0, 1, 2, *range(5, 13)]
     place = {old: new for new, old in enumerate(arms)}
@@ -425,3 +486,46 @@ def test_quaternions_of_a_rig_are_those_of_its_angles(read):
     motion = read(rig).motion
     expected = rig.rotations.as_quat(scalar_first=True).reshape(FRAMES, -1, 4)
     assert np.max(quat.geodesic(motion.rotations, expected)) < 1e-7
+
+
+FAMILIES = (
+    "accad_male1_bvh/Male1_C03_Run.bvh", "accad_male1_bvh/Male1_A10_LieToCrouch.bvh",
+    "cmu_bvh/02_01.bvh", "cmu_bvh/05_01.bvh", "cmu_bvh/06_01.bvh", "cmu_bvh/09_01.bvh",
+    "cmu_from_amc_bvh/16_41.bvh", "cmu_asfamc/02_03.amc", "cmu_asfamc/16_41.amc",
+    "other_bvh/cmu_daz_salsa_13.bvh", "other_bvh/reactidle_002_genuine.bvh",
+    "other_bvh/rokoko_jesse_dance.bvh", "messy/real_freebvh_55j.bvh",
+    "messy/real_mocapbank_crlf.bvh", "messy/real_pybvh_test3_zup_60j.bvh",
+    "messy/real_skeleton_one_frame.bvh", "messy/real_walk01_24fps.bvh", "messy/no_end_sites.bvh",
+)  # fmt: skip
+
+
+def assert_shape_tells_what_names_do(path) -> None:
+    motion = load_clip(path).motion
+    skeleton = motion.skeleton
+    found = shape_roles(replace(skeleton, roles={}), motion.rotations, {})
+    wrists = {"left_wrist", "right_wrist"} if "lwrist" in skeleton.names else set()
+    expected = {role: joint for role, joint in skeleton.roles.items() if role not in wrists}
+    assert {role: joint for role, joint in found.items() if role not in wrists} == expected
+
+
+@pytest.mark.parametrize("name", FAMILIES)
+def test_the_shape_of_a_captured_body_tells_what_its_names_do(motions, name):
+    assert_shape_tells_what_names_do(motions / name)
+
+
+@pytest.mark.slow
+def test_the_shape_of_every_captured_body_tells_what_its_names_do(motions):
+    folders = ("accad_male1_bvh", "cmu_bvh", "cmu_asfamc", "cmu_from_amc_bvh", "other_bvh")
+    for path in (path for folder in folders for path in clips_under(motions / folder)):
+        assert_shape_tells_what_names_do(path)
+
+
+def test_an_armature_that_stands_a_body_up_is_folded_into_it(read):
+    """Blender's: bones rest with Z up, and the armature turns them to a world with Y up."""
+    back = turned(turned(walker(), Z_UP, rest=True), Z_UP.inv(), rest=False)
+    turning = Rotation.concatenate([Z_UP.inv()] * FRAMES)
+    found = read(under(back, "Armature", turning, NOWHERE))
+    assert np.allclose(places(found), places(read(walker())), atol=1e-6)
+    assert found.up == "Y"
+    assert found.scale == 0.01
+    assert not found.roles_missing

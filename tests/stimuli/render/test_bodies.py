@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from stimuli.errors import InputError
-from stimuli.motion import Motion, forward, load, walker
+from stimuli.motion import Motion, forward, load_clip, walker
 from stimuli.motion import quaternions as quat
 from stimuli.motion.kinematics import placed
 from stimuli.render.bodies import BODIES, Body, bone_motion, make_body
@@ -118,7 +118,7 @@ def test_walking_keeps_the_volume() -> None:
 
 @pytest.mark.parametrize("name", SKELETONS)
 def test_other_skeletons_stand_upright_with_their_joints_inside(name: str, motions: Path) -> None:
-    motion = load(motions / SKELETONS[name]).motion
+    motion = load_clip(motions / SKELETONS[name]).motion
     reference = reference_pose(motion)
     marks = landmarks(reference)
     joints = [
@@ -161,7 +161,7 @@ def _local(reference: object) -> np.ndarray:
 
 @pytest.mark.parametrize("name", ["cmu", "accad"])
 def test_faces_are_level_and_toes_flat_in_the_usual_posture(name: str, motions: Path) -> None:
-    motion = load(motions / SKELETONS[name]).motion
+    motion = load_clip(motions / SKELETONS[name]).motion
     reference = reference_pose(motion)
     _, orientations = forward(motion.skeleton, motion.rotations, motion.root)
     head = motion.skeleton.roles["head"]

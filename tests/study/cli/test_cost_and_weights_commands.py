@@ -13,7 +13,7 @@ from analysis.errors import InputError as AnalysisError
 from analysis.files import write_atomic as write_report
 from stimuli.errors import InputError
 from stimuli.files import check_writable, write_atomic
-from stimuli.motion import load, write_walker
+from stimuli.motion import load_clip, write_walker
 from stimuli.motion.formats.bvh_write import write_bvh
 from stimuli.transition import plots
 from stimuli.transition.points import TransitionPoint, default_sigma, probabilities
@@ -231,7 +231,7 @@ def test_all_columns_that_are_missing_are_named(call, tmp_path):
 
 def test_clips_of_different_hierarchies_are_told_with_their_line(call, labels, library, tmp_path):
     stranger = tmp_path / "stranger.bvh"
-    write_bvh(load(library / f"{A}.json").motion, stranger)
+    write_bvh(load_clip(library / f"{A}.json").motion, stranger)
     stranger.write_text(stranger.read_text().replace("JOINT left_knee", "JOINT Left_Knee"))
     code, _, err = call("weights", labels(*apart(2, 2), f"{A},1,{stranger},2,0"))
     assert code == 2

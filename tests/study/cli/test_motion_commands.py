@@ -11,7 +11,7 @@ import sys
 import numpy as np
 import pytest
 
-from stimuli.motion import Motion, load, unroll, walker, write_walker
+from stimuli.motion import Motion, load_clip, unroll, walker, write_walker
 from stimuli.motion.formats.bvh_write import write_bvh
 from stimuli.ties import first_least
 from stimuli.transition import METHODS, SPECIFICATIONS, cost_matrix
@@ -92,7 +92,7 @@ def test_blend_writes_a_bvh_that_reads_back(call, tmp_path, method, specificatio
     )  # fmt: skip
     assert code == 0
     told = json.loads(said)
-    clip = load(out)
+    clip = load_clip(out)
     assert (clip.frames, clip.fps, clip.joints) == (told["total_frames"], 30.0, 15)
     assert told["frames"] == (0 if method == "cut" else told["frames"])
 
@@ -213,7 +213,7 @@ def test_a_cut_without_frames_is_the_cheapest_with_room(call, tmp_path):
     out = tmp_path / "cut.bvh"
     words = ("blend", "one", "other", "--method", "cut", "--motions", tmp_path, "--json")
     told = json.loads(call(*words, "--weights", "lee", "--out", out)[1])
-    cost = cost_matrix(*(load(tmp_path / f"{n}.bvh").motion for n in ("one", "other")), "lee")
+    cost = cost_matrix(*(load_clip(tmp_path / f"{n}.bvh").motion for n in ("one", "other")), "lee")
     room = cost[90:, : cost.shape[1] - 90]
     i, j = np.unravel_index(first_least(room), room.shape)  # a walk is as cheap a cycle later
     assert (told["from"], told["to"]) == (i + 90, j)

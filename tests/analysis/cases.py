@@ -1,0 +1,15 @@
+"""Where the shared cases lie: beside the checkout; tests of them are skipped where they do not."""
+
+from pathlib import Path
+
+import pytest
+
+STAT = Path(__file__).resolve().parents[2].parent / "shared" / "cases" / "stat"
+
+
+def stat_case(name: str) -> Path:
+    """A file of the cases of statistics."""
+    path = STAT / name
+    if not path.exists():
+        pytest.skip(f"{path} is not here: the cases lie beside the checkout, in ../shared")
+    return path
