@@ -27,8 +27,12 @@ def library(tmp_path):
 
 
 @pytest.fixture
-def call(capsys, library):
-    """Calls the command line on the walkers; returns exit code, output and errors."""
+def call(capsys, library, tmp_path, monkeypatch):
+    """Calls the command line on the walkers; returns exit code, output and errors.
+
+    In a folder where whoever runs this may write.
+    """
+    monkeypatch.chdir(tmp_path)
 
     def run(*words):
         code = main([*map(str, words), "--motions", str(library)])
