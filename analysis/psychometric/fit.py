@@ -35,6 +35,7 @@ _FLATTEST = 0.02  # η over half the range, where the fine grid of slopes begins
 _LAPSES = (0.0, 0.02, 0.06)
 _FINE_LAPSES = (0.0, 0.1, 0.3, 0.5, 0.7, 0.85, 1.0)  # as shares of the bound
 _STEP_SPACING = 2.0  # η between the starts at the steepest slope: a level or none is on the rise
+_HOPELESS, _HOPELESS_SHARE = 4.0, 0.2  # log likelihood by which a start is not worth a climb
 _MOST_CENTRES = 90
 _MOST_LEVELS = 40
 _TINY_SINGLE = np.float32(1e-30)
@@ -274,9 +275,10 @@ def _all_starts(
                 place = firsts[slope] + int(values[row, own].argmax())
                 chosen[row, slope] = a[place], lapse
             top = np.where(better, best, top)
-    row = np.repeat(np.arange(len(correct)), len(slopes))
-    starts = np.stack([chosen[:, :, 0], np.tile(slopes, (len(correct), 1)), chosen[:, :, 1]], -1)
-    return row, starts.reshape(-1, 3)
+    highest = top.max(1, keepdims=True)
+    row, slope = np.nonzero(top >= highest - _HOPELESS - _HOPELESS_SHARE * np.abs(highest))
+    place, lapse = chosen[row, slope].T
+    return row, np.stack([place, slopes[slope], lapse], 1)
 
 
 def _pooled(z: Array, correct: Array, total: Array) -> tuple[Array, Array, Array]:
