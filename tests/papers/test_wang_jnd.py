@@ -22,7 +22,8 @@ def studies(name: str, reference: int) -> list[list[Estimate]]:
     found = []
     for seed in range(SEEDS):
         trials, _, _ = simulated_trials(
-            protocol, SimulatedStudy(dict(protocol.document), lengths, seed, protocol.file.participants)
+            protocol,
+            SimulatedStudy(dict(protocol.document), lengths, seed, protocol.file.participants),
         )
         found.append(estimates(trials, fit_plan_of(dict(protocol.document)), seed))
     return found
@@ -52,7 +53,8 @@ def test_chi_square_of_study_one() -> None:
     lengths: dict[str, int] = {}
     found = []
     for seed in range(SEEDS):
-        trials, _, _ = simulated_trials(protocol, SimulatedStudy(dict(protocol.document), lengths, seed, 35))
+        study = SimulatedStudy(dict(protocol.document), lengths, seed, 35)
+        trials, _, _ = simulated_trials(protocol, study)
         found.append(contests(trials, tuple(protocol.file.methods))[0].count.chi2)
     print(f"\nstudy one: χ² of {SEEDS} simulated studies, median {np.median(found):.1f}, "
           f"{min(found):.1f} to {max(found):.1f}")  # fmt: skip
