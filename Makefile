@@ -17,8 +17,9 @@ SYSTEM_TEST := xdotool chromium|chromium-browser
 demo: system $(READY)
 	$(VENV)/bin/segue demo
 
+# A file stays on one core: its tests share a screen, a set of clips, a record.
 test: system-test lint samples
-	$(PYTHON) -m pytest
+	$(PYTHON) -m pytest --numprocesses auto --dist loadfile
 
 test-slow: system-test $(READY)
 	$(PYTHON) -m pytest -m slow

@@ -56,6 +56,8 @@ def consistent(
 
 def _by_person(rows: pd.DataFrame, where: str, what: str, done: str) -> list[str]:
     """One line a person: where, whose, which rows, what is wrong with them, what is done."""
+    if len(rows) == 0:
+        return []
     return [
         f"{where}: {person}, {line_ranges(part.index)} ({len(part)}): {what}; {done}"
         for person, part in rows.groupby(rows["participant"].astype(str), sort=True)
@@ -155,6 +157,8 @@ def _times(table: pd.DataFrame, where: str) -> tuple[pd.DataFrame, list[str]]:
         "the times are not used, the answers are",
     )
     times = times.where(~negative)
+    if not times.max() > MILLISECONDS:
+        return table.assign(response_time=times), told
     medians = times.groupby(table["participant"].astype(str)).transform("median")
     slow = (medians > MILLISECONDS) & times.notna()
     told += _by_person(

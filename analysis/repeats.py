@@ -5,6 +5,7 @@ no copy: answering times that are equal are, and without times answers that so m
 not give alike by chance.
 """
 
+from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -41,7 +42,12 @@ def once(table: pd.DataFrame, where: str, person: str) -> tuple[pd.DataFrame, li
     """
     if not {"trial", "onset"} & set(table):
         return table, []
-    again = table.astype(object).where(table.notna(), _ABSENT).duplicated()
+    marks = [name for name in ("participant", "trial", "onset") if name in table]
+    again = table.duplicated(marks)  # few columns first: whole rows take longer to compare
+    if again.any():
+        again = table.duplicated()
+    if not again.any():
+        return table, []
     who = table["participant"] if "participant" in table else pd.Series(person, table.index)
     told = [
         f"{where}: {name}, {line_ranges(part.index)} ({len(part)}) stand twice (same person, trial "
@@ -67,7 +73,11 @@ def copies(units: list[Unit]) -> list[tuple[Unit, Unit]]:
     """Units that are a copy of an earlier one, each with the one that it is a copy of."""
     first: dict[tuple[object, ...], Unit] = {}
     pairs = []
-    for unit in units:
+    glances = [(*_content(unit.rows.iloc[:3]), len(unit.rows)) for unit in units]
+    seen = Counter(glances)
+    for unit, glance in zip(units, glances, strict=True):
+        if seen[glance] == 1:  # nothing begins alike, so that nothing is a copy of it
+            continue
         key = _content(unit.rows)
         if key and key in first:
             pairs.append((unit, first[key]))

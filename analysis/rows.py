@@ -165,7 +165,11 @@ def _typed(table: pd.DataFrame, faults: dict[int, str]) -> pd.DataFrame:
         if column in _FLAGS:
             values = text[column].astype(object).str.lower().map(FLAG_WORDS)
         else:
-            values = pd.to_numeric(text[column].map(_number_text), errors="coerce")
+            values = pd.to_numeric(text[column], errors="coerce").astype(float)
+            odd = values.isna() & text[column].notna()
+            if odd.any():
+                again = text.loc[odd, column].map(_number_text)
+                values[odd] = pd.to_numeric(again, errors="coerce").astype(float)
         wrong = text[column].notna() & ~np.isfinite(values.astype(float))
         for line in table.index[wrong]:
             faults.setdefault(line, _unlike(column, table.at[line, column]))

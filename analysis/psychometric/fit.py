@@ -35,6 +35,10 @@ _FLATTEST = 0.02  # η over half the range, where the fine grid of slopes begins
 _LAPSES = (0.0, 0.02, 0.06)
 _FINE_LAPSES = (0.0, 0.1, 0.3, 0.5, 0.7, 0.85, 1.0)  # as shares of the bound
 _STEP_SPACING = 2.0  # η between the starts at the steepest slope: a level or none is on the rise
+_HOPELESS, _HOPELESS_SHARE = 4.0, 0.2  # log likelihood by which a start is not worth a climb
+_MOST_CENTRES = 90
+_MOST_LEVELS = 40
+_TINY_SINGLE = np.float32(1e-30)
 _FARTHEST_ETA = 3.0  # η that starts reach beyond the levels: farther on, nothing has a slope
 _STEP_MARGIN = 10.0  # η by which they reach beyond the levels
 
@@ -242,23 +246,57 @@ def _all_starts(
     """The best start of every slope: the row of each (S,), ascending, and the starts (S, 3).
 
     A steep function is told from another only where a level is on the rise: the steeper, the
-    closer the centres stand; a shallow one may have its centre far away.
+    closer the centres stand; a shallow one may have its centre far away. Single precision is
+    enough to choose by.
     """
-    fine = tuple(share * what.lapse_bound for share in _FINE_LAPSES)
-    grids = [_grid(what, _centres_of(abs(b)), np.array([b]), fine) for b in slopes]
-    values = _grid_values(scale, what, np.concatenate(grids), correct, total)
-    ends = np.cumsum([len(grid) for grid in grids])
-    parts = np.split(values, ends[:-1], axis=1)
-    best = np.stack([part.argmax(1) for part in parts], 1) + np.append(0, ends[:-1])
-    row = np.repeat(np.arange(len(correct)), len(slopes))
-    return row, np.concatenate(grids)[best.ravel()]
+    centres = [_centres_of(abs(float(b))) for b in slopes]
+    ends = np.cumsum([len(own) for own in centres])
+    b = np.repeat(slopes, [len(own) for own in centres])
+    a = -b * np.concatenate(centres)
+    z, correct, total = _pooled(scale.z, correct, total)
+    eta = (a[:, None] + b[:, None] * z).astype(np.float32)
+    rise, rest = what.function.cdf(eta), what.function.survival(eta)
+    right, wrong = correct.astype(np.float32), (total - correct).astype(np.float32)
+    rates = _FINE_LAPSES if what.lapse is None else (1.0,)
+    top = np.full((len(correct), len(slopes)), -np.inf)
+    chosen = np.zeros((*top.shape, 2))
+    firsts = np.append(0, ends[:-1])
+    for share in rates:
+        lapse = share * what.lapse_bound if what.lapse is None else what.lapse
+        span = np.float32(1 - what.guess - lapse)
+        log_p = np.log(np.maximum(np.float32(what.guess) + span * rise, _TINY_SINGLE))
+        log_q = np.log(np.maximum(np.float32(lapse) + span * rest, _TINY_SINGLE))
+        values = right @ log_p.T + wrong @ log_q.T
+        best = np.maximum.reduceat(values, firsts, axis=1)
+        better = best > top
+        if better.any():
+            for row, slope in zip(*np.nonzero(better), strict=True):
+                own = slice(firsts[slope], ends[slope])
+                place = firsts[slope] + int(values[row, own].argmax())
+                chosen[row, slope] = a[place], lapse
+            top = np.where(better, best, top)
+    highest = top.max(1, keepdims=True)
+    row, slope = np.nonzero(top >= highest - _HOPELESS - _HOPELESS_SHARE * np.abs(highest))
+    place, lapse = chosen[row, slope].T
+    return row, np.stack([place, slopes[slope], lapse], 1)
+
+
+def _pooled(z: Array, correct: Array, total: Array) -> tuple[Array, Array, Array]:
+    """Neighbouring levels taken together where there are many: enough to choose a start by."""
+    if len(z) <= _MOST_LEVELS:
+        return z, correct, total
+    first = np.unique(np.arange(_MOST_LEVELS) * len(z) // _MOST_LEVELS)
+    count = np.diff(np.append(first, len(z)))
+    correct, total = (np.add.reduceat(each, first, axis=1) for each in (correct, total))
+    return np.add.reduceat(z, first) / count, correct, total
 
 
 def _centres_of(b: float) -> Array:
     """Centres for one slope of η by z: those of all slopes, and as many as tell it from others."""
     reach = 1 + _FARTHEST_ETA / b
     inside = np.abs(_CENTRES) <= reach
-    return np.concatenate([_CENTRES[inside], np.linspace(-reach, reach, round(2 * b) + 33)])
+    many = round(min(2 * b, _MOST_CENTRES + b / 4)) + 33
+    return np.concatenate([_CENTRES[inside], np.linspace(-reach, reach, many)])
 
 
 def _grid(what: Setting, centres: Array, slopes: Array, lapses: tuple[float, ...]) -> Array:

@@ -24,7 +24,7 @@ _NEAREST = 0.05
 _STEPS = 9
 _CLOSE = 1e-6  # gain in log likelihood that a step must promise: the floor is at 1.92
 _START_SLOPES = 12
-_START_LAPSES = (0.0, 0.02, 0.06, 0.15)
+_START_LAPSES = (0.0, 0.03, 0.12)
 
 
 def threshold_interval(

@@ -13,7 +13,7 @@ from scipy.special import betainc, chdtrc
 from analysis.psychometric.fit import SHALLOWEST, Batch, Setting, fit_batch, fit_steepest
 from analysis.psychometric.functions import Array
 from analysis.psychometric.profile import threshold_interval
-from analysis.psychometric.scoring import log_likelihood
+from analysis.psychometric.scoring import ROUGH, log_likelihood
 
 CONSTANT_P = 0.05  # a likelihood ratio against a constant must have a smaller p
 CONSTANT_DF = {1: 0.5, 2: 0.5}  # degrees of freedom of that ratio, with their shares
@@ -64,7 +64,7 @@ def judge(
 ) -> tuple[Array, Array, Array]:
     """Index into REASONS (B,) and the two ends (B,) of the profile interval of the threshold."""
     verdict = np.zeros(len(fits.a), int)
-    falling = fit_batch(levels, correct, total, fits.setting, falling=True)
+    falling = fit_batch(levels, correct, total, fits.setting, falling=True, tolerance=ROUGH)
     best = np.maximum(fits.value, falling.value)
     flat = constant_p(best, correct, total) > CONSTANT_P
     threshold = fits.threshold(at)

@@ -8,8 +8,8 @@ import pytest
 
 from analysis.certificate import Estimate, estimates
 from analysis.preferences import contests
-from analysis.thresholds import plan_of as plan_of_fits
-from study.cli.designs import Job, simulated_trials
+from analysis.thresholds import fit_plan_of
+from study.cli.designs import SimulatedStudy, simulated_trials
 from study.trials.reading import load_protocol
 
 SEEDS = 40
@@ -22,9 +22,10 @@ def studies(name: str, reference: int) -> list[list[Estimate]]:
     found = []
     for seed in range(SEEDS):
         trials, _, _ = simulated_trials(
-            protocol, Job(dict(protocol.document), lengths, seed, protocol.file.participants)
+            protocol,
+            SimulatedStudy(dict(protocol.document), lengths, seed, protocol.file.participants),
         )
-        found.append(estimates(trials, plan_of_fits(dict(protocol.document)), seed))
+        found.append(estimates(trials, fit_plan_of(dict(protocol.document)), seed))
     return found
 
 
@@ -52,7 +53,8 @@ def test_chi_square_of_study_one() -> None:
     lengths: dict[str, int] = {}
     found = []
     for seed in range(SEEDS):
-        trials, _, _ = simulated_trials(protocol, Job(dict(protocol.document), lengths, seed, 35))
+        study = SimulatedStudy(dict(protocol.document), lengths, seed, 35)
+        trials, _, _ = simulated_trials(protocol, study)
         found.append(contests(trials, tuple(protocol.file.methods))[0].count.chi2)
     print(f"\nstudy one: χ² of {SEEDS} simulated studies, median {np.median(found):.1f}, "
           f"{min(found):.1f} to {max(found):.1f}")  # fmt: skip
