@@ -19,7 +19,7 @@ demo: system $(READY)
 
 # A file stays on one core: its tests share a screen, a set of clips, a record.
 test: system-test lint samples
-	$(PYTHON) -m pytest --numprocesses auto --dist loadfile
+	OPENBLAS_NUM_THREADS=1 $(PYTHON) -m pytest --numprocesses logical --dist loadfile
 
 test-slow: system-test $(READY)
 	$(PYTHON) -m pytest -m slow

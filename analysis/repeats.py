@@ -73,7 +73,7 @@ def copies(units: list[Unit]) -> list[tuple[Unit, Unit]]:
     """Units that are a copy of an earlier one, each with the one that it is a copy of."""
     first: dict[tuple[object, ...], Unit] = {}
     pairs = []
-    glances = [(*_content(unit.rows.iloc[:3]), len(unit.rows)) for unit in units]
+    glances = [_glance(unit.rows) for unit in units]
     seen = Counter(glances)
     for unit, glance in zip(units, glances, strict=True):
         if seen[glance] == 1:  # nothing begins alike, so that nothing is a copy of it
@@ -92,6 +92,12 @@ def copies(units: list[Unit]) -> list[tuple[Unit, Unit]]:
         for pair in pairs
         if _timed(pair[0].rows) or _alike_by_chance(pair[0].rows, frequencies) < chance
     ]
+
+
+def _glance(rows: pd.DataFrame) -> tuple[object, ...]:
+    """How many rows there are, and one column of answers: copies agree in that."""
+    name = next((name for name in _ANSWERS if name in rows), None)
+    return (len(rows), *(map(str, rows[name]) if name else ()))
 
 
 def _content(rows: pd.DataFrame) -> tuple[object, ...]:

@@ -107,7 +107,7 @@ def _bound_too_low(levels: Array, fits: Batch, correct: Array, total: Array) -> 
     found = at_lapse_bound(fits)
     if found.any():
         wide = replace(fits.setting, lapse_bound=WIDE * (1 - fits.setting.guess))
-        again = fit_batch(levels, correct[found], total[found], wide)
+        again = fit_batch(levels, correct[found], total[found], wide, tolerance=ROUGH)
         found[found] = again.value > fits.value[found] + BETTER
     return found
 

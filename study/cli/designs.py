@@ -240,11 +240,8 @@ def _preference_powers(
 
     As many simulated studies as were asked for; on all cores where there are many.
     """
-    import os
-    from concurrent.futures import ProcessPoolExecutor
-    from multiprocessing import get_context
-
     from analysis.certificate import PowerJob, preference_power
+    from study.session.processes import mapped
 
     file = protocol.file
     spread = file.observer.spread if file.observer else 0.0
@@ -264,12 +261,8 @@ def _preference_powers(
                  sets, (options.seed, place))
         for place, row in enumerate(rows)
     ]  # fmt: skip
-    count = min(options.workers or os.cpu_count() or 1, len(jobs))
-    if count == 1 or sets < WORTH_PROCESSES:
-        found = [preference_power(job) for job in jobs]
-    else:
-        with ProcessPoolExecutor(count, mp_context=get_context("spawn")) as pool:
-            found = list(pool.map(preference_power, jobs))
+    most = len(jobs) if sets >= WORTH_PROCESSES else 1
+    found = mapped(preference_power, jobs, options.workers, most)
     return [row | {"power": power} for row, power in zip(rows, found, strict=True)]
 
 

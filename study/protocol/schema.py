@@ -125,6 +125,7 @@ class Analysis(TomlTable):
     alpha: Annotated[float, Field(gt=0, lt=0.5)] = 0.05
     function: str = "logistic"
     lapse: Literal["free"] | Annotated[float, Field(ge=0, lt=0.5)] = "free"
+    lapse_bound: Annotated[float, Field(gt=0, lt=0.5)] = 0.2
     at: tuple[Annotated[float, Field(gt=0.5, lt=1)], ...] = (0.70, 0.75)
     bootstrap: Annotated[int, Field(ge=0)] = 2000
     exclude_catch_below: Share | None = None

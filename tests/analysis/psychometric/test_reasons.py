@@ -80,9 +80,9 @@ def test_what_is_called_ok_covers_where_people_lapse(lapse: float) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("lapse", [0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3])
+@pytest.mark.parametrize("lapse", [0.0, 0.05, 0.1, 0.15, 0.2, 0.25])
 def test_certify_coverage_where_people_lapse(lapse: float) -> None:
-    ok, covered = missed(lapse, 2000, 4)
+    ok, covered = missed(lapse, 1000, 4)
     print(f"\nlapse {lapse}: ok {ok:.3f}, of these the 95% interval covers {covered:.3f}")
     assert covered >= 0.93
 
