@@ -241,6 +241,7 @@ def _preference_powers(
     As many simulated studies as were asked for; on all cores where there are many.
     """
     from analysis.certificate import PowerJob, preference_power
+    from study.cli.common import progress
     from study.session.processes import mapped
 
     file = protocol.file
@@ -262,8 +263,11 @@ def _preference_powers(
         for place, row in enumerate(rows)
     ]  # fmt: skip
     most = len(jobs) if sets >= WORTH_PROCESSES else 1
-    found = mapped(preference_power, jobs, options.workers, most)
-    return [row | {"power": power} for row, power in zip(rows, found, strict=True)]
+    with progress(len(jobs), "simulating power") as step:
+        for done, power in enumerate(mapped(preference_power, jobs, options.workers, most), 1):
+            rows[done - 1]["power"] = power
+            step(done)
+    return rows
 
 
 def warnings_of(stimuli: Path | None) -> list[str]:
