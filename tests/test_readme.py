@@ -23,10 +23,17 @@ humanoid3d_run,12,humanoid3d_walk,12,0
 TABLE = "level,correct,total\n" + "".join(
     f"{level},{right},20\n" for level, right in ((1, 10), (2, 12), (4, 15), (6, 18), (8, 20))
 )
+OLD = "subj,stim,acc\n" + "".join(
+    f"s{person},{level},{int(trial < right)}\n"
+    for person in (1, 2, 3)
+    for level, right in ((1, 10), (2, 12), (4, 15), (6, 18), (8, 20))
+    for trial in range(20)
+)
 MEANT = {
     "A:i": "humanoid3d_walk:3", "B:j": "humanoid3d_run:5", "A": "humanoid3d_walk",
     "B": "humanoid3d_run", "FILE.bvh": "joined.bvh", "LABELS.csv": "labels.csv",
     "TABLE.csv": "table.csv", "PROTOCOL": "study-four", "COMMAND": "fit", "DIR": ".",
+    "FILE": "captured.json",
 }  # fmt: skip
 # What a test adds to a command that is printed without: a person, or less of the same work.
 ADDED = {
@@ -36,6 +43,7 @@ ADDED = {
     "segue simulate": ["study-four", "--participants", "2", "--data", "simulated"],
     "segue blend A B --method cut": ["--out", "cut.bvh"],
 }
+ALONE = ("doctor", "motions")  # what else is printed without arguments is a name in a sentence
 LEFT_OUT = {"segue run jnd-center …", "segue run PROTOCOL"}  # wants a set that takes minutes
 
 
@@ -49,7 +57,9 @@ def printed() -> list[str]:
 
 def words(command: str) -> list[str]:
     given = [MEANT.get(word, word) for word in command.split()[1:]]
-    return [sys.executable, "-m", "study.cli", *given, *ADDED.get(command, [])]
+    named = len(given) == 1 and given[0] not in ALONE and command not in ADDED
+    added = ["--help"] if named else ADDED.get(command, [])
+    return [sys.executable, "-m", "study.cli", *given, *added]
 
 
 @pytest.fixture(scope="module")
@@ -63,6 +73,9 @@ def place(tmp_path_factory: pytest.TempPathFactory, sample_motions: Path) -> Pat
     (folder / "mine.toml").write_text(text)
     (folder / "labels.csv").write_text(LABELS)
     (folder / "table.csv").write_text(TABLE)
+    (folder / "old.csv").write_text(OLD)
+    walk = next(sample_motions.glob("humanoid3d_walk.*"))
+    (folder / "captured.json").write_bytes(walk.read_bytes())
     return folder
 
 

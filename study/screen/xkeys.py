@@ -12,8 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from study.protocol.keys import KEY_NAMES
-from study.screen.labels import LEVELS
+from study.screen.labels import codes_by_name, names_by_code
 from study.screen.press import Press
 from study.session.stage import ScreenLostError
 
@@ -67,7 +66,7 @@ class ServerKeyboard:
             0, 0, 1, 1, 0, 0, X.InputOnly, event_mask=X.PropertyChangeMask
         )
         self._atom = self._display.intern_atom("SEGUE_CLOCK")
-        self._names = _keysyms()
+        self._names = names_by_code(codes_by_name(self._display))
         self._epoch = 0
         self._waiting: list[tuple[float, str]] = []
         self._down: set[int] = set()
@@ -159,6 +158,7 @@ class ServerKeyboard:
 
         if event.type == X.MappingNotify:
             self._display.refresh_keyboard_mapping(event)
+            self._names = names_by_code(codes_by_name(self._display))
         elif event.type == X.KeyRelease and event.detail in self._down:
             self._down.remove(event.detail)
             self._let_go[event.detail] = event.time
@@ -167,18 +167,7 @@ class ServerKeyboard:
             if not self._fits or self._let_go.get(event.detail) == event.time:
                 return
             at = self._seconds(event.time) + TICK / 2 - self._fits[-1].offset
-            self._waiting += [(at, name) for name in self._called(event.detail)]
-
-    def _called(self, code: int) -> list[str]:
-        """What a key is called, unshifted first."""
-        symbols = [self._display.keycode_to_keysym(code, level) for level in range(LEVELS)]
-        return list(dict.fromkeys(self._names[s] for s in symbols if s in self._names))
-
-
-def _keysyms() -> dict[int, str]:
-    from Xlib import XK
-
-    return {XK.string_to_keysym(symbol): name for name, symbol in KEY_NAMES.items()}
+            self._waiting += [(at, name) for name in self._names.get(event.detail, ())]
 
 
 def _ignored(error: object, request: object) -> None:

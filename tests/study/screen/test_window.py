@@ -308,7 +308,7 @@ from study.protocol.schema import Keys
 from study.screen.clips import ClipCache
 from study.screen.window import Look, WindowStage
 look = Look(Keys(), ("1", "2"), 0.0, 0.6, 30.0, (127, 127, 127))
-for layout in ("de", "fr", "us"):
+for layout in ("de", "fr", "ru,us", "us"):
     subprocess.run(["setxkbmap", layout], check=True)
     stage = WindowStage(look, ClipCache(lambda key: None), None, windowed=True)
     stage._text("?")
@@ -329,7 +329,39 @@ for layout in ("de", "fr", "us"):
 def test_a_key_is_called_what_is_printed_on_it(screen: str, keyboard: str) -> None:
     if shutil.which("setxkbmap") is None:
         pytest.skip("no setxkbmap to change the keyboard's layout")
-    assert said_by(LAYOUT, keyboard).splitlines() == ["z y a 1 space"] * 3
+    assert said_by(LAYOUT, keyboard).splitlines() == ["z y a 1 space"] * 4
+
+
+PLACES = """
+import subprocess, time
+from Xlib import X
+from Xlib.display import Display
+from Xlib.ext import xtest
+from study.protocol.schema import Keys
+from study.screen.clips import ClipCache
+from study.screen.window import Look, WindowStage
+subprocess.run(["setxkbmap", "gr"], check=True)
+look = Look(Keys(), ("1", "2"), 0.0, 0.6, 30.0, (127, 127, 127))
+stage = WindowStage(look, ClipCache(lambda key: None), None, windowed=True)
+stage._text("?")
+stage._keyboard.listen()
+hand = Display()
+for code in (41, 44, 10, 65):  # where an American keyboard has f, j, 1 and the space bar
+    for kind in (X.KeyPress, X.KeyRelease):
+        xtest.fake_input(hand, kind, code)
+        hand.sync()
+        time.sleep(0.08)
+print(*[press.name for press in stage._keyboard.pressed(["f", "j", "1", "space"])])
+subprocess.run(["setxkbmap", "us"], check=True)
+stage.close()
+"""
+
+
+@pytest.mark.parametrize("keyboard", KEYBOARDS)
+def test_letters_that_no_layout_has_keep_their_places(screen: str, keyboard: str) -> None:
+    if shutil.which("setxkbmap") is None:
+        pytest.skip("no setxkbmap to change the keyboard's layout")
+    assert said_by(PLACES, keyboard) == "f j 1 space\n"
 
 
 def said_by(script: str, keyboard: str) -> str:
