@@ -19,7 +19,7 @@ def write_atomic(path: Path, content: str | bytes) -> None:
     Missing directories are made. UnwritableError that names `path` where it cannot be written.
     """
     data = content.encode() if isinstance(content, str) else content
-    with _refusals_name(path):
+    with refusals_name(path):
         path.parent.mkdir(parents=True, exist_ok=True)
         start = f".{path.name[:40]}."  # a name may be as long as the system lets it
         handle, name = tempfile.mkstemp(dir=path.parent, prefix=start, suffix=".part")
@@ -42,7 +42,7 @@ def check_writable(path: Path) -> None:
     Tried in the nearest directory that is there, since permissions do not tell of a read-only
     disk, nor of what the superuser may not do either.
     """
-    with _refusals_name(path):
+    with refusals_name(path):
         if path.is_dir():
             raise IsADirectoryError(None, "a directory")
         there = next(above for above in path.absolute().parents if above.exists())
@@ -57,8 +57,11 @@ def sha256(path: Path) -> str:
 
 
 @contextmanager
-def _refusals_name(path: Path) -> Iterator[None]:
-    """What the system refuses, said of the file that was wanted, not of one beside it."""
+def refusals_name(path: Path) -> Iterator[None]:
+    """What the system refuses, said of the file that was wanted, not of one beside it.
+
+    UnwritableError within the block for every OSError.
+    """
     try:
         yield
     except OSError as error:

@@ -62,6 +62,20 @@ def test_imports_flow_one_way(path: Path) -> None:
     assert not forbidden
 
 
+def test_no_task_is_named_in_words_outside_its_module() -> None:
+    """Who treats tasks apart goes by what a task says of itself."""
+    from study.trials.tasks import TASKS
+
+    naming = [
+        f"{path.relative_to(ROOT)}:{node.lineno}"
+        for path in (ROOT / "study").rglob("*.py")
+        if "tasks" not in path.parts
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Constant) and node.value in TASKS
+    ]
+    assert not naming
+
+
 def imported_modules() -> dict[str, set[str]]:
     """Each module with the modules of the three packages that it imports, anywhere in it."""
     names = {dotted(path): path for path in MODULES}

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stimuli.errors import InputError
-from stimuli.files import permitted
+from stimuli.files import permitted, refusals_name
 
 Pictures = NDArray[np.uint8]
 
@@ -19,13 +19,19 @@ Pictures = NDArray[np.uint8]
 def write_video(path: Path, frames: Iterable[Pictures], fps: float) -> int:
     """Write frames (height, width, 3) to `path`, whole or not at all; returns their number.
 
-    The suffix decides: .mkv is lossless FFV1, .mp4 is H.264. InputError for any other.
+    The suffix decides: .mkv is lossless FFV1, .mp4 is H.264. InputError for any other,
+    UnwritableError where the file cannot be written.
     """
     if path.suffix.lower() not in ENCODERS:
         raise InputError(
             f"{path}: expected a name that ends in {' or '.join(ENCODERS)}, found "
             f"{path.suffix or 'no ending'}."
         )
+    with refusals_name(path):
+        return _written(path, frames, fps)
+
+
+def _written(path: Path, frames: Iterable[Pictures], fps: float) -> int:
     path.parent.mkdir(parents=True, exist_ok=True)
     handle, name = tempfile.mkstemp(
         dir=path.parent, prefix=f".{path.stem}.", suffix=f".part{path.suffix.lower()}"
@@ -56,6 +62,11 @@ def decode_video(path: Path) -> Pictures:
             f"{path}: expected a video clip, found a file that cannot be decoded ({error}).\n"
             "Build the stimulus set again with segue render."
         ) from error
+    if not frames:
+        raise InputError(
+            f"{path}: expected a video clip, found no picture in it: it was cut short.\n"
+            "Build the stimulus set again with segue render."
+        )
     return np.stack(frames)
 
 

@@ -17,8 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stimuli.errors import MachineError
-from stimuli.files import FULL
+from stimuli.errors import MachineError, UnwritableError
 from stimuli.render.appearance import Appearance
 from stimuli.render.bodies import Skin
 from stimuli.render.camera import Camera
@@ -191,10 +190,11 @@ def _outcome(job: RenderJob, drawing: Any) -> Rendered | BaseException:
         drawing.show(job.skin, job.camera)
         count = write_video(job.path, frames(), job.fps)
     except Exception as error:
-        if isinstance(error, OSError) and error.errno in FULL:
+        if isinstance(error, UnwritableError):
+            found = getattr(error.__cause__, "strerror", None) or error.__cause__
             return MachineError(
-                f"{job.path.parent}: expected room for a clip, found none ({error.strerror}); the "
-                "clips rendered so far are kept.\nMake room on that disk, and run it again"
+                f"{job.path.parent}: expected room for a clip, found none ({found}); the clips "
+                "rendered so far are kept.\nMake room on that disk, and run it again"
             )
         return RuntimeError(f"{job.path.name}: {type(error).__name__}: {error}")
     return Rendered(job.path, count, sha.hexdigest())

@@ -4,10 +4,11 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from study.cli.common import add_motions_option, print_json, progress
+from study.cli.common import SEED, add_motions_option, print_json, progress
 
 if TYPE_CHECKING:
     from study.cli.designs import SimulatedStudy
+    from study.protocol.protocol import Protocol
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -20,7 +21,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         help="effect to give the power for: frames of threshold, or a share (repeatable)",
     )
-    parser.add_argument("--seed", type=int, default=1, help="default: 1")
+    parser.add_argument("--seed", type=SEED, default=1, help="default: 1")
     parser.add_argument("--set", dest="set_name", help="the set whose motions give the lengths")
     parser.add_argument("--stimuli", type=Path, metavar="SET", help="stimulus set to check as well")
     parser.add_argument("--workers", type=int, help="processes (default: all cores)")
@@ -41,7 +42,7 @@ def run(args: argparse.Namespace) -> int:
     if args.sets < 2 or (args.participants is not None and args.participants < 1):
         raise InputError("--sets and --participants: expected at least 2 sets and 1 participant")
     protocol = load_protocol(args.protocol)
-    _check_effects(args.effect or [], protocol.file.task)
+    _check_effects(args.effect or [], protocol)
     people = args.participants or protocol.file.participants
     lengths = references(protocol, Library(motion_directories(args.motions)), args.set_name)
     jobs = [
@@ -61,15 +62,16 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def _check_effects(effects: list[float], task: str) -> None:
+def _check_effects(effects: list[float], protocol: "Protocol") -> None:
     from stimuli.errors import InputError
+    from study.cli.designs import EFFECTS, analysis_of
 
-    highest = 1.0 if task == "preference" else float("inf")
+    unit, highest = EFFECTS[analysis_of(protocol)]
     for effect in effects:
         if not 0 < effect < highest:
             raise InputError(
-                f"--effect: expected {'a share between 0 and 1' if highest == 1 else 'frames'} "
-                f"above 0 for a {task} study, found {effect:g}"
+                f"--effect: expected {unit} above 0 for a {protocol.file.task} study, found "
+                f"{effect:g}"
             )
 
 

@@ -8,7 +8,7 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
-from study.cli.common import add_motions_option, progress
+from study.cli.common import SEED, add_motions_option, progress
 
 PROTOCOL, PREFERENCE = "jnd-center", "study-one"
 PEOPLE = 12
@@ -17,7 +17,7 @@ PEOPLE = 12
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The options of `segue demo`."""
     parser.add_argument("--out", type=Path, default=Path("demo"), metavar="DIR")
-    parser.add_argument("--seed", type=int, default=2005, metavar="N")
+    parser.add_argument("--seed", type=SEED, default=2005, metavar="N")
     add_motions_option(parser)
 
 

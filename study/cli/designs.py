@@ -48,7 +48,7 @@ def one_study(job: SimulatedStudy) -> dict[str, Any]:
     return {
         "trials": counts,
         "minutes": minutes,
-        **_JUDGED.get(protocol.file.task, _nothing_more)(protocol, trials, job.seed),
+        **_JUDGED.get(analysis_of(protocol), _nothing_more)(protocol, trials, job.seed),
         "table": trials,
     }
 
@@ -93,9 +93,20 @@ def _nothing_more(protocol: "Protocol", trials: "pd.DataFrame", seed: int) -> di
 
 
 _JUDGED: dict[str, Callable[["Protocol", "pd.DataFrame", int], dict[str, Any]]] = {
-    "odd-pair": _odd_pair,
-    "preference": _preference,
+    "thresholds": _odd_pair,
+    "preferences": _preference,
 }
+
+
+# What an effect is counted in, and below what it lies.
+EFFECTS = {"thresholds": ("frames", float("inf")), "preferences": ("a share between 0 and 1", 1.0)}
+
+
+def analysis_of(protocol: "Protocol") -> str:
+    """The analysis that the answers of a protocol's task go to."""
+    from study.trials.tasks import TASKS
+
+    return TASKS[protocol.file.task].analysis
 
 
 def certificate(
@@ -125,7 +136,9 @@ def certificate(
         "balance": balance(trials),
         "warnings": warnings_of(options.stimuli),
     }
-    part = {"odd-pair": _odd_pair_part, "preference": _preference_part}.get(protocol.file.task)
+    part = {"thresholds": _odd_pair_part, "preferences": _preference_part}.get(
+        analysis_of(protocol)
+    )
     return entry | (part(protocol, references, studies, trials, people, options) if part else {})
 
 

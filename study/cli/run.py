@@ -60,8 +60,8 @@ def run(args: argparse.Namespace) -> int:
     check(request, protocol)
     if not has_screen():
         raise InputError(
-            "expected a screen, found none (DISPLAY is not set);\n"
-            "run it on the lab's machine, or under `xvfb-run` for a trial of the set-up"
+            "expected a screen, found none (DISPLAY is not set);\nrun it on the lab's machine; for "
+            "a trial start `Xvfb :9 -screen 0 1280x800x24 &` and say DISPLAY=:9 before the command"
         )
     manifest = _stimuli(args, protocol)
     check_rendered(protocol, manifest, args.rehearsal)
@@ -84,8 +84,10 @@ def run(args: argparse.Namespace) -> int:
         print(request.lost, file=sys.stderr)
         return 1
     except (NotKeptError, UnwritableError) as error:
+        begun = any(args.data.glob(f"sub-{args.participant}/beh/*_beh.tsv"))
+        kept = "all answers before it are kept" if begun else "nothing was answered yet"
         print(
-            f"segue run: {str(error).splitlines()[0]}; all answers before it are kept.\n"
+            f"segue run: {str(error).splitlines()[0].rstrip('.')}; {kept}.\n"
             f"See that there is room to write, and {go_on}",
             file=sys.stderr,
         )

@@ -3,14 +3,14 @@
 import argparse
 from pathlib import Path
 
-from study.cli.common import add_motions_option, print_json, progress
+from study.cli.common import SEED, add_motions_option, print_json, progress
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The options of `segue simulate`."""
     parser.add_argument("protocol", help="a protocol file, or the name of a shipped protocol")
     parser.add_argument("--participants", type=int, required=True, metavar="N")
-    parser.add_argument("--seed", type=int, default=1, help="default: 1")
+    parser.add_argument("--seed", type=SEED, default=1, help="default: 1")
     parser.add_argument("--data", type=Path, default=Path("data"), metavar="DIR")
     parser.add_argument("--set", dest="set_name", help="the set whose motions give the lengths")
     parser.add_argument("--workers", type=int, help="processes (default: all cores)")

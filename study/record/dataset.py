@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from stimuli.errors import InputError, InputWarning
-from stimuli.files import write_atomic
+from stimuli.files import refusals_name, write_atomic
 from study.protocol.protocol import Protocol
 from study.record.table import MISSING, Record, reopen
 
@@ -85,16 +85,32 @@ def prepare(data: Path) -> None:
         write_atomic(columns, json.dumps(content_columns, indent=2) + "\n")
 
 
+def enrolled(data: Path) -> tuple[list[str], dict[str, dict[str, str]]]:
+    """The columns of participants.tsv and its rows by participant; InputError if it is none."""
+    path = data / "participants.tsv"
+    if not path.exists():
+        return [], {}
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as stream:
+            reader = csv.DictReader(stream, delimiter="\t")
+            columns = list(reader.fieldnames or ())
+            if "participant_id" not in columns:
+                raise InputError(
+                    f"{path}: expected a column participant_id between tabs, found "
+                    f"{', '.join(columns) or 'nothing'}.\nMend the table, or name another --data"
+                )
+            return columns, {row["participant_id"]: row for row in reader}
+    except UnicodeDecodeError as error:
+        raise InputError(
+            f"{path}: expected UTF-8 text, found {error.reason}.\nSave the table as UTF-8"
+        ) from error
+
+
 def enrol(data: Path, participant: str, **answers: str) -> None:
     """Add a participant to participants.tsv, or fill in what is new about one."""
     path = data / "participants.tsv"
-    rows: dict[str, dict[str, str]] = {}
-    columns = list(PARTICIPANT_COLUMNS)
-    if path.exists():
-        with path.open(encoding="utf-8", newline="") as stream:
-            reader = csv.DictReader(stream, delimiter="\t")
-            columns += [name for name in reader.fieldnames or () if name not in columns]
-            rows = {row["participant_id"]: row for row in reader}
+    held, rows = enrolled(data)
+    columns = [*PARTICIPANT_COLUMNS, *(name for name in held if name not in PARTICIPANT_COLUMNS)]
     key = f"sub-{participant}"
     new = {name: text for name, text in answers.items() if text}
     rows[key] = {"participant_id": key, **rows.get(key, {}), **new}
@@ -153,5 +169,6 @@ def keep_stimulus(data: Path, digest: str, entry: Mapping[str, Any]) -> None:
 def source_folder(data: Path, participant: str) -> Path:
     """Where flip logs and locks of a participant lie."""
     folder = data / "sourcedata" / f"sub-{participant}" / "beh"
-    folder.mkdir(parents=True, exist_ok=True)
+    with refusals_name(folder):
+        folder.mkdir(parents=True, exist_ok=True)
     return folder

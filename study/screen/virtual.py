@@ -3,6 +3,7 @@
 import os
 import shutil
 import subprocess
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -44,5 +45,5 @@ def virtual_screen(width: int = 1280, height: int = 800) -> Iterator[str]:
 
 
 def has_screen() -> bool:
-    """Whether a window can be opened here."""
-    return os.name == "nt" or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+    """Whether there should be one to open a window on; under Wayland that is Xwayland's."""
+    return sys.platform in ("win32", "darwin") or bool(os.environ.get("DISPLAY"))

@@ -1,5 +1,6 @@
 """The window of a session: texts, clips by frame index, answers by key, every flip logged."""
 
+import os
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -8,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from stimuli.errors import InputError, UnwritableError
+from stimuli.errors import InputError, MachineError, UnwritableError
 from study.protocol.schema import Keys
 from study.screen.clips import ClipCache, Frames
 from study.screen.home import writable_home
@@ -251,10 +252,18 @@ class WindowStage:
 
 
 def _open_window(screen: int, windowed: bool, background: tuple[int, int, int]) -> Any:
-    from psychopy import logging, visual
+    try:
+        from psychopy import logging, visual
 
+        check_screen(screen)
+    except Exception as error:
+        if type(error).__name__ != "NoSuchDisplayException":
+            raise
+        raise MachineError(
+            f"screen: expected an X server at DISPLAY={os.environ.get('DISPLAY', '')}, found none "
+            "that answers;\nlog in on the lab's machine, or set DISPLAY to a screen that is there"
+        ) from error
     logging.console.setLevel(logging.ERROR)
-    check_screen(screen)
     return visual.Window(
         size=(1280, 800),
         fullscr=not windowed,
@@ -277,7 +286,10 @@ def check_screen(screen: int) -> None:
     count = len(get_display().get_screens())
     if not 0 <= screen < count:
         there = "screen 0 alone" if count == 1 else f"screens 0 to {count - 1}"
-        raise InputError(f"--screen {screen}: expected a screen that is there, found {there}")
+        raise InputError(
+            f"--screen {screen}: expected a screen that is there, found {there};\n"
+            "leave --screen out, or connect the other and let the system extend the desktop to it"
+        )
 
 
 def _refresh_rate(window: Any) -> float | None:

@@ -16,6 +16,7 @@ from study.record.dataset import (
     check_participant,
     check_twin,
     enrol,
+    enrolled,
     keep_stimulus,
     prepare,
     record_path,
@@ -64,8 +65,11 @@ def check(request: Request, protocol: Protocol) -> None:
     """Refuse a request that cannot be run, before anything is written or opened."""
     check_participant(request.participant)
     check_twin(request.data, request.participant)
-    if request.pace <= 0:
+    enrolled(request.data)  # which refuses a table that nobody could be added to
+    if not 0 < request.pace < float("inf"):
         raise InputError(f"--pace: expected a number above 0, found {request.pace}")
+    if request.seed is not None and request.seed < 0:
+        raise InputError(f"--seed: expected a whole number, 0 or more, found {request.seed}")
     if request.observer == "simulated" and protocol.file.observer is None:
         raise InputError(
             f"{protocol.name}: expected a table [observer] for a simulated observer, found none"

@@ -69,8 +69,14 @@ def _name(number: int) -> str:
 
 
 def _free_numbers(data: Path, label: str, count: int) -> list[int]:
-    """The first numbers from 1 whose person has not done this task."""
-    free = (n for n in range(1, LAST_NUMBER + 1) if not runs(data, _name(n), label))
+    """The first numbers from 1 whose person has not done this task, nor is called as another."""
+    there = {path.name.removeprefix("sub-") for path in data.glob("sub-*")}
+    twins = {name.casefold() for name in there if name != name.casefold()}
+    free = (
+        n
+        for n in range(1, LAST_NUMBER + 1)
+        if not runs(data, _name(n), label) and _name(n) not in twins
+    )
     numbers = list(islice(free, count))
     if len(numbers) < count:
         raise InputError(f"{data}: too many simulated participants; use another directory")

@@ -3,6 +3,7 @@
 import json
 import os
 import resource
+import shutil
 import signal
 import subprocess
 import sys
@@ -172,6 +173,7 @@ def test_a_screen_that_is_not_there_is_refused(
     told = said(process)
     assert process.returncode == 2
     assert f"--screen {screen_number}: expected a screen that is there, found screen 0" in told
+    assert "leave --screen out" in told
     assert not table_of(place, "nowhere").exists()
 
 
@@ -253,3 +255,65 @@ def test_keys_that_nobody_can_press_are_refused(
     told = said(process)
     assert process.returncode == 2
     assert word in told or f"{case}:{line}" in told
+
+
+def test_a_clip_that_was_cut_short_is_named_before_it_is_shown(
+    place: Path, screen: str, tmp_path: Path
+) -> None:
+    (tmp_path / "p.toml").write_text(PROTOCOL)
+    shutil.copytree(place / "stimulus-sets", tmp_path / "stimulus-sets")
+    for clip in (tmp_path / "stimulus-sets/frail/clips").glob("*.mkv"):
+        clip.write_bytes(clip.read_bytes()[: clip.stat().st_size // 2])
+    told = said(process := run(tmp_path, "short"))
+    assert process.returncode == 2
+    assert ".mkv: expected" in told
+    assert "segue render" in told
+
+
+@pytest.mark.parametrize(
+    ("display", "word"), [(":4711", "DISPLAY=:4711"), ("", "DISPLAY is not set")]
+)
+def test_a_display_that_does_not_answer_is_named(place: Path, display: str, word: str) -> None:
+    process = segue(
+        place, "run", "p.toml", "--participant", "p1", "--observer", "simulated", DISPLAY=display,
+        WAYLAND_DISPLAY="wayland-0",
+    )  # fmt: skip
+    assert word in said(process)
+    assert process.returncode in (1, 2)
+
+
+@pytest.mark.parametrize(
+    ("table", "word"),
+    [(b"id\tage\n1\t2\n", "a column participant_id"), (b"participant_id\n\xe9\n", "UTF-8")],
+)
+def test_a_table_of_participants_that_is_none_is_refused_beforehand(
+    place: Path, tmp_path: Path, table: bytes, word: str
+) -> None:
+    (tmp_path / "participants.tsv").write_bytes(table)
+    process = run(place, "p1", "--data", str(tmp_path))
+    assert word in said(process)
+    assert process.returncode == 2
+
+
+@pytest.mark.parametrize(
+    "options", [("--pace", "nan"), ("--pace", "inf"), ("--seed", "-1"), ("--data", "p.toml")]
+)
+def test_numbers_and_places_that_cannot_be_are_refused(
+    place: Path, options: tuple[str, str]
+) -> None:
+    process = segue(
+        place, "run", "p.toml", "--participant", "q1", "--observer", "simulated", *options,
+        DISPLAY=":4711",
+    )  # fmt: skip
+    told = said(process)
+    assert "--debug" not in told
+    assert "expected" in told
+    assert process.returncode in (1, 2)
+
+
+def test_simulated_people_are_nobodys_twins(place: Path, tmp_path: Path) -> None:
+    (tmp_path / "sub-SIM001").mkdir()
+    process = segue(place, "simulate", "p.toml", "--participants", "1", "--data", str(tmp_path))
+    said(process)
+    assert process.returncode == 0
+    assert sorted(path.name for path in tmp_path.glob("sub-*")) == ["sub-SIM001", "sub-sim002"]
