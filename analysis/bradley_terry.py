@@ -12,8 +12,8 @@ import pandas as pd
 from analysis.psychometric.bootstrap import percentile_interval
 from analysis.psychometric.functions import Array
 
-SAMPLES = 1000
-ITERATIONS = 60
+SCALE_SAMPLES = 1000
+_ITERATIONS = 60
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ def bradley_terry(wins: Array) -> Array:
     games = wins + wins.swapaxes(-1, -2)
     size = wins.shape[-1]
     strength = np.zeros(wins.shape[:-1])
-    for _ in range(ITERATIONS):
+    for _ in range(_ITERATIONS):
         difference = strength[..., :, None] - strength[..., None, :]
         p = 1 / (1 + np.exp(-difference))
         gradient = (wins - games * p).sum(-1)
@@ -73,7 +73,7 @@ def scale(
     strengths = bradley_terry(wins.sum(0))
     if np.isnan(strengths).any():
         return None
-    drawn = rng.multinomial(len(people), np.full(len(people), 1 / len(people)), SAMPLES)
+    drawn = rng.multinomial(len(people), np.full(len(people), 1 / len(people)), SCALE_SAMPLES)
     again = bradley_terry(np.einsum("bp,pij->bij", drawn.astype(float), wins))
     shaky = np.isnan(again).any(1).mean() > 0.025
     found = []

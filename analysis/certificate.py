@@ -22,7 +22,7 @@ from analysis.psychometric.verdict import judge
 from analysis.thresholds import FitPlan, prepared
 from analysis.tracks import staircase_threshold, tracks
 
-SAMPLES = 400  # resamples of people for one simulated study's interval
+_SAMPLES = 400  # resamples of people for one simulated study's interval
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ def _fitted(
     correct, total = pooled.correct[None], pooled.total[None]
     verdict = int(judge(pooled.levels, fits, correct, total, at)[0][0])
     if len(data.people) > 1:
-        drawn = resample_people(data, SAMPLES, rng)
+        drawn = resample_people(data, _SAMPLES, rng)
         again = fit_batch(pooled.levels, *drawn, plan.what, tolerance=ROUGH)
         low, high = percentile_interval(again.threshold(at))
     else:

@@ -11,11 +11,11 @@ from itertools import combinations
 import numpy as np
 import pandas as pd
 
-from analysis.bradley_terry import SAMPLES, Strength, bradley_terry
+from analysis.bradley_terry import SCALE_SAMPLES, Strength, bradley_terry
 from analysis.psychometric.bootstrap import percentile_interval
 from analysis.psychometric.functions import Array
 
-ITERATIONS = 60
+_ITERATIONS = 60
 UNSURE = 0.025  # share of resamples without a finite maximum above which no interval is given
 
 
@@ -42,7 +42,7 @@ def davidson(wins: Array, ties: Array) -> tuple[Array, Array]:
     parameters = np.zeros((*wins.shape[:-2], size + 1))
     sums = np.zeros((size + 1, size + 1))
     sums[:size, :size] = 1 / size  # the strengths are fixed by their sum
-    for _ in range(ITERATIONS):
+    for _ in range(_ITERATIONS):
         gradient = np.zeros(parameters.shape)
         information = np.zeros((*parameters.shape, size + 1))
         for i, j in pairs:
@@ -97,7 +97,7 @@ def tied_scale(
     strengths, tie = davidson(wins.sum(0), ties.sum(0))
     if np.isnan(strengths).any():
         return None
-    drawn = rng.multinomial(len(people), np.full(len(people), 1 / len(people)), SAMPLES)
+    drawn = rng.multinomial(len(people), np.full(len(people), 1 / len(people)), SCALE_SAMPLES)
     again, tie_again = davidson(
         *(np.einsum("bp,pij->bij", drawn.astype(float), counts) for counts in (wins, ties))
     )

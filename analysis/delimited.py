@@ -8,7 +8,7 @@ sign of typesetters. All of that is read for what it means.
 import re
 
 SEPARATORS = ",;\t"
-MINUS = "−"
+_MINUS = "−"
 _MARKS = {b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16", b"\xef\xbb\xbf": "utf-8-sig"}
 _THOUSANDS = re.compile(r"[-+]?\d{1,3}(?:,\d{3})+(?:\.\d*)?")
 _COMMA = re.compile(r"[-+]?\d*,\d+")
@@ -45,7 +45,7 @@ def is_blank(cells: list[str]) -> bool:
 
 def plain_minus(text: str) -> str:
     """The typesetter's minus sign as the keyboard's."""
-    return text.replace(MINUS, "-")
+    return text.replace(_MINUS, "-")
 
 
 def is_thousands(text: str) -> bool:

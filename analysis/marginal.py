@@ -16,7 +16,7 @@ from scipy.special import expit, roots_hermite
 from analysis.psychometric.functions import Array
 
 NODES = 61  # of the quadrature: a few hundred answers of one person bend it far from normal
-CLOSE = 1e-12  # squared length of an inner Newton step, in the metric of its own curvature
+_CLOSE = 1e-12  # squared length of an inner Newton step, in the metric of its own curvature
 INNER = 100
 HALVINGS = 40
 FINER = (141, 281)  # nodes for groups so alike that fewer still change the result
@@ -78,11 +78,11 @@ class Crossed:
                 tried = u + share * step
                 eta_tried = self._eta(beta, scale * tried)
                 found = _joint(eta_tried, tried, self.cells)
-                if found >= value or promise < CLOSE:
+                if found >= value or promise < _CLOSE:
                     break
                 share /= 2
             u, eta, value = tried, eta_tried, found
-            if promise < CLOSE:
+            if promise < _CLOSE:
                 break
         p = expit(eta)
         return u, eta, self._moments(self.cells.total * p * (1 - p)), value
@@ -184,7 +184,7 @@ class Grouped:
             low, high = np.where(gradient > 0, u, low), np.where(gradient > 0, high, u)
             bend = 1 + sd * sd * total * p * (1 - p)
             step = gradient / bend
-            if float((gradient * step).max()) < CLOSE:
+            if float((gradient * step).max()) < _CLOSE:
                 u = u + step
                 break
             tried = u + step

@@ -18,13 +18,13 @@ from scipy.special import expit, stdtr, stdtrit
 from analysis.marginal import FINER, NODES, Cells, Crossed, Grouped
 from analysis.psychometric.functions import Array
 
-EFFECTS = ("people", "motions")
-LARGEST_SD = 10.0  # of the random intercepts, in log odds: beyond it the answers set no bound
+_EFFECTS = ("people", "motions")
+_LARGEST_SD = 10.0  # of the random intercepts, in log odds: beyond it the answers set no bound
 LEAST_SD = 1e-2  # below it an effect does not vary, and the model is fitted without it
 LARGEST_MEAN = 15.0  # of the log odds
 STARTS = ((1.0, 0.3, 0.3), (1.3, 1.2, 0.6), (2.0, 3.0, 0.3), (2.0, 6.0, 2.0), (1.0, 0.3, 1.5))
 UNSETTLED = 0.01  # standard errors by which more nodes may move the estimate or the error
-STEP = 1e-4  # for the second derivatives, differences of an analytic gradient
+_STEP = 1e-4  # for the second derivatives, differences of an analytic gradient
 LAPLACE = "Laplace approximation"
 QUADRATURE = "adaptive Gauss-Hermite quadrature"
 METHOD = "logistic mixed model, random intercepts of {}, {}, Wald interval"
@@ -76,7 +76,7 @@ def fit_cells(cells: Cells, people: bool, motions: bool) -> MixedFit:
     count, right = cells.total.sum(), cells.chose.sum()
     if right in (0, count):
         return _refused(_method(random), "every answer is the same")
-    for name, held, axis in zip(EFFECTS, random, (0, 1), strict=True):
+    for name, held, axis in zip(_EFFECTS, random, (0, 1), strict=True):
         groups = cells.along(axis)
         if held and ((groups.chose == 0) | (groups.chose == groups.total)).all():
             return _refused(
@@ -91,7 +91,7 @@ def fit_cells(cells: Cells, people: bool, motions: bool) -> MixedFit:
         if settled or nodes == FINER[-1]:
             break
         theta, hessian = _maximum(cells, random, nodes)
-    for place, name in enumerate(EFFECTS):
+    for place, name in enumerate(_EFFECTS):
         if random[place] and theta[1 + place] < LEAST_SD:
             kept = [held and other != place for other, held in enumerate(random)]
             return _with_zero(fit_cells(cells, kept[0], kept[1]), name)
@@ -110,8 +110,8 @@ def _with_zero(fit: MixedFit, name: str) -> MixedFit:
 def _wald(cells: Cells, random: tuple[bool, ...], theta: Array, hessian: Array) -> MixedFit:
     """The estimate and its interval, or why the counts cannot give them."""
     method = _method(random)
-    for name, sd in zip(EFFECTS, theta[1:], strict=True):
-        if sd > 0.999 * LARGEST_SD:
+    for name, sd in zip(_EFFECTS, theta[1:], strict=True):
+        if sd > 0.999 * _LARGEST_SD:
             return _refused(method, f"the variance between {name} is at its bound")
     beta, error = float(theta[0]), _standard_error(hessian)
     if not np.isfinite(error) or abs(beta) > 0.999 * LARGEST_MEAN:
@@ -152,7 +152,7 @@ def _refused(method: str, why: str) -> MixedFit:
 
 
 def _method(random: tuple[bool, ...]) -> str:
-    named = [name for name, held in zip(EFFECTS, random, strict=True) if held]
+    named = [name for name, held in zip(_EFFECTS, random, strict=True) if held]
     if not named:
         return METHOD_PLAIN
     return METHOD.format(" and ".join(named), LAPLACE if len(named) == 2 else QUADRATURE)
@@ -178,7 +178,7 @@ def _maximum(cells: Cells, random: tuple[bool, ...], nodes: int = NODES) -> tupl
     odds = float(np.clip(np.log(right / (cells.total.sum() - right)), -5, 5))
     # Standard deviations may cross 0 on the way: the likelihood is even in them, and a bound at 0,
     # where its slope is always 0, would hold a search that comes near.
-    bounds = [(-b, b) for b in np.array([LARGEST_MEAN, LARGEST_SD, LARGEST_SD])[free]]
+    bounds = [(-b, b) for b in np.array([LARGEST_MEAN, _LARGEST_SD, _LARGEST_SD])[free]]
     found = [
         minimize(
             lambda theta: tuple(-part for part in marginal(theta)),
@@ -220,7 +220,7 @@ def _hessian(marginal: Marginal, theta: Array) -> Array:
     """Second derivatives at `theta`: analytic by quadrature, else differences of the gradient."""
     if isinstance(marginal, Grouped):
         return marginal.curvature(theta)
-    size = STEP * np.maximum(1.0, np.abs(theta))
+    size = _STEP * np.maximum(1.0, np.abs(theta))
     moves = [
         (marginal(theta + step)[1] - marginal(theta - step)[1]) / (2 * step.sum())
         for step in np.diag(size)

@@ -13,7 +13,7 @@ import pandas as pd
 from analysis.psychometric.bootstrap import percentile_interval
 from analysis.psychometric.functions import Array
 
-SAMPLES = 2000
+_SAMPLES = 2000
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +54,7 @@ def labels(trials: pd.DataFrame) -> Labels:
 
 
 def receiver_curve(
-    name: str, scores: Array, answers: Labels, rng: np.random.Generator, samples: int = SAMPLES
+    name: str, scores: Array, answers: Labels, rng: np.random.Generator, samples: int = _SAMPLES
 ) -> ReceiverCurve | None:
     """The curve of `scores` (C,), higher meaning less natural; None when one answer is absent.
 

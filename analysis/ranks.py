@@ -18,7 +18,7 @@ from scipy.stats import rankdata
 from analysis.psychometric.functions import Array
 
 EXACT_UP_TO = 60
-ROUNDING = 1e-9  # of the largest value: what differs by less differs by rounding alone
+_ROUNDING = 1e-9  # of the largest value: what differs by less differs by rounding alone
 
 
 @dataclass(frozen=True)
@@ -99,7 +99,7 @@ def snapped(values: Array) -> Array:
     largest = np.abs(values).max(initial=0.0)
     if largest == 0:
         return values
-    grain = largest * ROUNDING
+    grain = largest * _ROUNDING
     sizes = np.abs(values)
     ordered = np.unique(np.append(0.0, sizes))
     first = np.append(True, np.diff(ordered) > grain)

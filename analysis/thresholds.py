@@ -27,7 +27,7 @@ from analysis.tracks import AnsweredTrack, staircase_threshold, tracks
 
 ALL = "all"
 PERSON_SAMPLES = 200  # simulated deviances for one person's fit, of which there are many
-GUESS = 0.5  # two pairs to choose from
+_GUESS = 0.5  # two pairs to choose from
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ def fit_plan_of(protocol: dict[str, Any], seed: int = 0) -> FitPlan:
     return FitPlan(
         what=setting(
             str(stated.get("function", "logistic")),
-            GUESS,
+            _GUESS,
             None if lapse == "free" else lapse,
             float(stated.get("lapse_bound", LAPSE_BOUND)),
         ),

@@ -4,6 +4,7 @@ import ast
 import subprocess
 import sys
 import tomllib
+from collections.abc import Iterator
 from graphlib import TopologicalSorter
 from pathlib import Path
 
@@ -137,19 +138,29 @@ def test_a_task_is_named_by_nobody_but_the_table() -> None:
 
 
 # Packages that may not import one another have these words for one and the same thing.
-TWINS = {"InputError", "InputWarning", "write_atomic", "decoded"}
+TWINS = {"InputError", "InputWarning", "write_atomic", "decoded", "Array", "ALL", "TASK"}
+
+
+def defined_in(path: Path) -> Iterator[str]:
+    """What a module defines at its top: classes, functions, constants, types."""
+    for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.ClassDef | ast.FunctionDef):
+            yield node.name
+        elif isinstance(node, ast.Assign | ast.AnnAssign):
+            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+            yield from (n.id for t in targets for n in ast.walk(t) if isinstance(n, ast.Name))
 
 
 def test_one_thing_has_one_name() -> None:
-    """No two modules define a class or function of one public name, but in grids of variants."""
+    """No two modules define one public name, but in grids of variants."""
     homes: dict[str, list[str]] = {}
     for path in MODULES:
         name = dotted(path)
         if within({name}, "study.cli") or within({name}, "study.trials.tasks"):
             continue  # each command has its `run`, each task its `start` and `screens`
-        for node in ast.parse(path.read_text(encoding="utf-8")).body:
-            if isinstance(node, ast.ClassDef | ast.FunctionDef) and not node.name.startswith("_"):
-                homes.setdefault(node.name, []).append(name)
+        for defined in defined_in(path):
+            if not defined.startswith("_"):
+                homes.setdefault(defined, []).append(name)
     shared = {name: where for name, where in homes.items() if len(where) > 1}
     assert set(shared) <= TWINS, shared
 

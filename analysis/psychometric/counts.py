@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from analysis.errors import InputError
 from analysis.psychometric.functions import Array
 
-ROUNDING = 1e-12  # of the largest level: levels closer than this are one
+_ROUNDING = 1e-12  # of the largest level: levels closer than this are one
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +50,7 @@ def merged(levels: Array) -> tuple[Array, Array]:
     ordered, place = np.unique(levels, return_inverse=True)
     if len(ordered) == 0:
         return ordered, place
-    grain = ROUNDING * np.abs(ordered).max()
+    grain = _ROUNDING * np.abs(ordered).max()
     first = np.append(True, np.diff(ordered) > grain)
     return ordered[first], (np.cumsum(first) - 1)[place]
 

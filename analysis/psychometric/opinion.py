@@ -25,7 +25,7 @@ SIGMOIDS = {
     "weibull": "weibull",
     "gumbel": "weibull",
 }
-LEVEL = 0.95
+_LEVEL = 0.95
 
 
 @dataclass(frozen=True)
@@ -88,6 +88,6 @@ def _at_proportion(found: Any, what: Setting, at: float) -> tuple[float, float, 
 def _quantiles(values: Array, mass: Array) -> tuple[float, float, float]:
     order = np.argsort(values)
     along = np.cumsum(mass[order]) / mass.sum()
-    places = np.searchsorted(along, [0.5, (1 - LEVEL) / 2, (1 + LEVEL) / 2])
+    places = np.searchsorted(along, [0.5, (1 - _LEVEL) / 2, (1 + _LEVEL) / 2])
     middle, low, high = values[order][np.minimum(places, len(values) - 1)]
     return float(middle), float(low), float(high)

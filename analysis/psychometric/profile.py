@@ -19,7 +19,7 @@ from analysis.psychometric.fit import (
 from analysis.psychometric.functions import Array
 from analysis.psychometric.scoring import log_likelihood, maximise
 
-FARTHEST = 12.8  # an end farther than this many half ranges from the estimate is unbounded
+_FARTHEST = 12.8  # an end farther than this many half ranges from the estimate is unbounded
 _NEAREST = 0.05
 _STEPS = 9
 _CLOSE = 1e-6  # gain in log likelihood that a step must promise: the floor is at 1.92
@@ -133,7 +133,7 @@ def _ends(
     at_inside, at_outside = np.full(len(rows), -root), np.zeros(len(rows))
     searching = np.flatnonzero(np.isfinite(centre))
     offset = _NEAREST
-    while len(searching) and offset <= FARTHEST * 1.001:
+    while len(searching) and offset <= _FARTHEST * 1.001:
         found = excess(np.full(len(searching), offset), searching)
         beyond = found > 0
         outside[searching[beyond]], at_outside[searching[beyond]] = offset, found[beyond]

@@ -17,11 +17,11 @@ from analysis.psychometric.fit import Setting, fit, scale_of
 from analysis.psychometric.functions import Array
 from analysis.psychometric.scoring import TINY
 
-NODES = 21
-LARGEST_SD = 4.0  # of thresholds, in half ranges of the levels
-CLOSE = 2e-3  # half ranges to which an end is found
+_NODES = 21
+_LARGEST_SD = 4.0  # of thresholds, in half ranges of the levels
+_CLOSE = 2e-3  # half ranges to which an end is found
 STEPS = 30
-FARTHEST = 8.0  # an end farther than this many half ranges from the mean is unbounded
+_FARTHEST = 8.0  # an end farther than this many half ranges from the mean is unbounded
 
 
 @dataclass(frozen=True)
@@ -76,12 +76,12 @@ class _Model:
         self.steepest = scale.steepest
         self.right, self.wrong = data.correct, data.total - data.correct
         self.what, self.at = what, at
-        nodes, weights = np.polynomial.hermite_e.hermegauss(NODES)
+        nodes, weights = np.polynomial.hermite_e.hermegauss(_NODES)
         self.nodes, self.log_weights = nodes, np.log(weights / weights.sum())
         top = min(what.lapse_bound, 1 - at - 1e-3)
         self.bounds = [
-            (-FARTHEST, FARTHEST),
-            (1e-3, LARGEST_SD),
+            (-_FARTHEST, _FARTHEST),
+            (1e-3, _LARGEST_SD),
             (np.log(0.2), np.log(self.steepest)),
             (0.0, top),
         ]
@@ -127,7 +127,7 @@ class _Model:
             return float(np.sqrt(max(2 * (top - value), 0.0))) - root
 
         inside, at_inside, distance = 0.0, -root, 0.1
-        while distance <= FARTHEST:
+        while distance <= _FARTHEST:
             found = excess(distance)
             if found > 0:
                 bracket = (inside, at_inside), (distance, found)
@@ -139,12 +139,12 @@ class _Model:
 def _false_position(
     function: Callable[[float], float], below: tuple[float, float], above: tuple[float, float]
 ) -> float:
-    """The root between `below` and `above`, pairs of a place and the value there, to CLOSE."""
+    """The root between `below` and `above`, pairs of a place and the value there, to _CLOSE."""
     (low, at_low), (high, at_high) = below, above
     place = high
     for _ in range(STEPS):
         last, place = place, high - at_high * (high - low) / (at_high - at_low)
-        if abs(place - last) < CLOSE:
+        if abs(place - last) < _CLOSE:
             break
         found = function(place)
         if found < 0:

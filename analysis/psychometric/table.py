@@ -20,7 +20,7 @@ from analysis.psychometric.counts import Counts, counts
 from analysis.psychometric.fit import Setting
 from analysis.psychometric.summary import SAMPLES
 
-MOST_FAULTS = 3
+_MOST_FAULTS = 3
 _WORDS = {"true": 1.0, "yes": 1.0, "right": 1.0, "correct": 1.0, "t": 1.0, "y": 1.0,
           "false": 0.0, "no": 0.0, "wrong": 0.0, "incorrect": 0.0, "f": 0.0, "n": 0.0}  # fmt: skip
 
@@ -136,8 +136,8 @@ def _numbers(path: Path, read: DelimitedTable, columns: list[int], flags: int) -
             shown = f"{path}:{line}: expected numbers, found {read.separator.join(row)[:60]!r}"
             faults.append(shown + _decimal_comma(row, extra))
     if faults:
-        more = f" (and {len(faults) - MOST_FAULTS} more)" if len(faults) > MOST_FAULTS else ""
-        raise InputError("\n".join(faults[:MOST_FAULTS]) + more)
+        more = f" (and {len(faults) - _MOST_FAULTS} more)" if len(faults) > _MOST_FAULTS else ""
+        raise InputError("\n".join(faults[:_MOST_FAULTS]) + more)
     return table
 
 

@@ -10,9 +10,9 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
-INK, PALE, GRID = "#1f2933", "#8795a1", "#e4e7eb"
+INK, PALE, GRID_COLOUR = "#1f2933", "#8795a1", "#e4e7eb"
 SHORTER, LONGER = "#b7410e", "#1d5b99"
-SIDES = {"shorter": SHORTER, "longer": LONGER}
+SIDE_COLOURS = {"shorter": SHORTER, "longer": LONGER}
 SERIES = ("#1d5b99", "#b7410e", "#3b7a57", "#7b4f9d", "#a3791c", "#52606d")
 
 _STYLE: Any = {

@@ -5,7 +5,7 @@ import pandas as pd
 
 from analysis.naturalness import ReceiverCurve, agreement, labels, receiver_curve, scores_of
 from analysis.report.context import Context
-from analysis.report.draw import GRID, PALE, SERIES, canvas
+from analysis.report.draw import GRID_COLOUR, PALE, SERIES, canvas
 from analysis.report.parts import Figure, Findings, ReportTable, Section
 from analysis.report.words import count, interval, rounded, share
 
@@ -86,7 +86,7 @@ def _figure(stem: str, curves: list[ReceiverCurve]) -> Figure:
             label = f"{curve.score[:32]} ({share(curve.area)})"
             axis.plot(curve.false_alarms, curve.hits, color=colour, label=label)
         axis.set_aspect("equal")
-        axis.grid(color=GRID, linewidth=0.6)
+        axis.grid(color=GRID_COLOUR, linewidth=0.6)
         axis.set_xlabel("natural clips with a higher score")
         axis.set_ylabel("unnatural clips with a higher score")
         axis.legend(loc="lower right", fontsize=8)

@@ -11,7 +11,7 @@ from analysis.davidson import TiedScale, tied_scale
 from analysis.mixed import MixedFit, mixed_logistic
 from analysis.preferences import ALL, Contest, PreferenceCount, contests
 from analysis.report.context import Context
-from analysis.report.draw import GRID, INK, LONGER, PALE, canvas, quiet_y, shorten
+from analysis.report.draw import GRID_COLOUR, INK, LONGER, PALE, canvas, quiet_y, shorten
 from analysis.report.parts import Figure, Findings, ReportTable, Section
 from analysis.report.scale_part import scale_section
 from analysis.report.words import count as count_words
@@ -226,7 +226,7 @@ def _figure(stem: str, contest: Contest, rows: list[tuple[str, PreferenceCount]]
         axis.axvline(50, color=PALE, linewidth=1, linestyle=(0, (4, 3)))
         for place, (_, count) in enumerate(kept):
             colour = INK if place == 0 else LONGER
-            axis.axhline(place, color=GRID, linewidth=0.7, zorder=0)
+            axis.axhline(place, color=GRID_COLOUR, linewidth=0.7, zorder=0)
             axis.plot([count.low, count.high], [place, place], color=colour, solid_capstyle="butt")
             axis.plot([count.percent], [place], "D" if place == 0 else "o", color=colour, ms=6)
         axis.set_yticks(range(len(kept)), shorten([motion for motion, _ in kept]))

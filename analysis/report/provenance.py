@@ -8,13 +8,13 @@ from analysis.report.context import Context
 from analysis.report.parts import Section
 from analysis.report.words import listing
 
-STATISTICS = ("segue", "numpy", "scipy", "pandas", "statsmodels", "matplotlib")
+_STATISTICS = ("segue", "numpy", "scipy", "pandas", "statsmodels", "matplotlib")
 
 
 def versions() -> dict[str, str]:
     """The versions that computed the statistics."""
     found = {"python": platform.python_version()}
-    for name in STATISTICS:
+    for name in _STATISTICS:
         try:
             found[name] = metadata.version(name)
         except metadata.PackageNotFoundError:

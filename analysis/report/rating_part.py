@@ -38,7 +38,7 @@ def report_rating(context: Context) -> Findings:
 
 
 SYMBOLS = {"rank-sum": "U", "signed-rank": "V", "ANOVA": "F", "ordinal": "z"}
-EFFECTS = {
+_EFFECTS = {
     "rank-biserial correlation": "r_rb",
     "partial η²": "partial η²",
     "log odds ratio": "log odds ratio",
@@ -54,7 +54,7 @@ def apa(test: RatingTest) -> str:
     digits = 0 if kind in "UV" and test.statistic == round(test.statistic or 0) else 2
     return (
         f"{kind}{df} = {rounded(test.statistic, digits)}, {p_value(test.p)}, "
-        f"{EFFECTS[test.effect]} = {rounded(test.effect_size)}, {interval(test.low, test.high)}"
+        f"{_EFFECTS[test.effect]} = {rounded(test.effect_size)}, {interval(test.low, test.high)}"
     )
 
 

@@ -12,7 +12,7 @@ from analysis.report.words import count, listing, rounded
 
 MOST_LATE = 20  # late frames with a bar of their own
 LINEAR_UP_TO = 10  # trials; above, the axis is logarithmic
-MOST_FAULTS = 20  # malformed rows named on the page; report.json names them all
+_MOST_FAULTS = 20  # malformed rows named on the page; report.json names them all
 
 
 def people_section(context: Context) -> Section:
@@ -82,9 +82,9 @@ def exclusion_section(context: Context) -> Section:
     ]
     items.extend(context.study.remarks)
     faults = context.study.faults
-    items.extend(faults[:MOST_FAULTS])
-    if len(faults) > MOST_FAULTS:
-        items.append(f"… and {len(faults) - MOST_FAULTS} more, all named in report.json.")
+    items.extend(faults[:_MOST_FAULTS])
+    if len(faults) > _MOST_FAULTS:
+        items.append(f"… and {len(faults) - _MOST_FAULTS} more, all named in report.json.")
     return Section("Left out, by rules stated before the data", items=tuple(items))
 
 

@@ -8,7 +8,7 @@ import pandas as pd
 
 from analysis.psychometric import Threshold
 from analysis.report.context import Context
-from analysis.report.draw import GRID, INK, PALE, SIDES, canvas, quiet_y, shorten
+from analysis.report.draw import GRID_COLOUR, INK, PALE, SIDE_COLOURS, canvas, quiet_y, shorten
 from analysis.report.parts import Figure, Findings, ReportTable, Section
 from analysis.report.supplement_part import (
     answer_bias_section,
@@ -180,7 +180,7 @@ def _curves(stem: str, whole: list[Entry]) -> Figure:
     with canvas(7.2, 3.7) as drawn:
         axis = drawn.figure.subplots()
         axis.axhline(0.5, color=PALE, linewidth=1, linestyle=(0, (4, 3)))
-        axis.axvline(0, color=GRID, linewidth=1)
+        axis.axvline(0, color=GRID_COLOUR, linewidth=1)
         for entry in whole:
             _side(axis, entry)
         axis.set_ylim(0.28, 1.03)
@@ -197,7 +197,7 @@ def _curves(stem: str, whole: list[Entry]) -> Figure:
 
 
 def _side(axis: Any, entry: Entry) -> None:
-    data, colour = entry.counts, SIDES[entry.side]
+    data, colour = entry.counts, SIDE_COLOURS[entry.side]
     x = entry.sign * data.levels
     size = 12 + 160 * data.total / data.total.max()
     axis.scatter(x, data.correct / data.total, s=size, color=colour, alpha=0.35, linewidth=0)
@@ -236,15 +236,15 @@ def _people_figure(stem: str, known: list[Entry]) -> Figure:
     names = sorted({entry.participant for entry in known})
     with canvas(7.2, 0.9 + 0.2 * len(names)) as drawn:
         axis = drawn.figure.subplots()
-        axis.axvline(0, color=GRID, linewidth=1)
+        axis.axvline(0, color=GRID_COLOUR, linewidth=1)
         edge = max(float(entry.counts.levels[-1]) for entry in known) * 1.15
         for entry in known:
             threshold = signed_threshold(entry)
             place = names.index(entry.participant)
             shown = (threshold.least, threshold.most)
             ends = np.clip([threshold.low, threshold.high], *shown)
-            axis.plot(ends, [place, place], color=SIDES[entry.side], linewidth=1, alpha=0.6)
-            axis.plot([threshold.value], [place], "o", color=SIDES[entry.side], ms=4.5)
+            axis.plot(ends, [place, place], color=SIDE_COLOURS[entry.side], linewidth=1, alpha=0.6)
+            axis.plot([threshold.value], [place], "o", color=SIDE_COLOURS[entry.side], ms=4.5)
         axis.set_yticks(range(len(names)), shorten(names))
         axis.set_ylim(len(names) - 0.4, -0.6)
         axis.set_xlim(-edge, edge)

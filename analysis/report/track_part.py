@@ -6,12 +6,12 @@ import numpy as np
 import pandas as pd
 
 from analysis.report.context import Context
-from analysis.report.draw import GRID, SIDES, canvas
+from analysis.report.draw import GRID_COLOUR, SIDE_COLOURS, canvas
 from analysis.report.parts import Figure, Section
 from analysis.report.words import count
 from analysis.tracks import AnsweredTrack, tracks
 
-SHOWN = 24  # people whose tracks are drawn; the tables hold them all
+_SHOWN = 24  # people whose tracks are drawn; the tables hold them all
 
 
 def track_section(context: Context, trials: pd.DataFrame) -> Section:
@@ -28,8 +28,8 @@ def track_section(context: Context, trials: pd.DataFrame) -> Section:
             f"{count(edges, 'track')} ended at the first or last level there is: "
             "such a track says only that the threshold lies near or beyond that level."
         )
-    if len(people) > SHOWN:
-        text.append(f"The figure shows the first {SHOWN} people of {len(people)}.")
+    if len(people) > _SHOWN:
+        text.append(f"The figure shows the first {_SHOWN} people of {len(people)}.")
     return Section("Staircases", text=tuple(text), figures=(_figure(context, found, people),))
 
 
@@ -46,7 +46,7 @@ def _at_the_edge(context: Context) -> int:
 
 
 def _figure(context: Context, found: list[AnsweredTrack], people: list[str]) -> Figure:
-    shown = people[:SHOWN]
+    shown = people[:_SHOWN]
     columns = min(3, len(shown))
     rows = -(-len(shown) // columns)
     reach = max(float(track.levels.max()) for track in found) * 1.12
@@ -60,8 +60,8 @@ def _figure(context: Context, found: list[AnsweredTrack], people: list[str]) -> 
         for axis in axes.flat[len(shown) :]:
             axis.set_visible(False)
         for axis, person in zip(axes.flat, shown, strict=False):
-            axis.axhline(0, color=GRID, linewidth=1)
-            for side in SIDES:
+            axis.axhline(0, color=GRID_COLOUR, linewidth=1)
+            for side in SIDE_COLOURS:
                 _draw(axis, [t for t in found if (t.participant, t.side) == (person, side)], side)
             axis.set_title(person, fontsize=8, pad=2)
             axis.set_ylim(-reach, reach)
@@ -83,7 +83,7 @@ def _draw(axis: Any, own: list[AnsweredTrack], side: str) -> None:
     x = np.concatenate([np.append(np.arange(1.0, len(t.differences) + 1), gap) for t in own])
     y = np.concatenate([np.append(t.differences, gap) for t in own])
     right = np.concatenate([np.append(t.correct, gap) for t in own])
-    colour = SIDES[side]
+    colour = SIDE_COLOURS[side]
     axis.plot(x, y, color=colour, linewidth=0.8, alpha=0.7)
     for answer, face in ((1.0, colour), (0.0, "white")):
         kept = right == answer

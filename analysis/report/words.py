@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-MINUS = "−"
+_MINUS = "−"
 
 
 def rounded(value: float | None, digits: int = 2) -> str:
@@ -12,7 +12,7 @@ def rounded(value: float | None, digits: int = 2) -> str:
     if value is None or not np.isfinite(value):
         return "–"
     text = f"{value:.{digits}f}"
-    return text.replace("-", MINUS) if float(text) else text.replace("-", "")
+    return text.replace("-", _MINUS) if float(text) else text.replace("-", "")
 
 
 def signed(value: float | None, digits: int = 1) -> str:
@@ -44,7 +44,7 @@ def signed_interval(low: float | None, high: float | None, digits: int = 1) -> s
 
 def beyond(level: float) -> str:
     """An end that lies beyond the last level shown, signed: `beyond −8`, `beyond +12`."""
-    return f"beyond {f'{level:+.10g}'.replace('-', MINUS)}"
+    return f"beyond {f'{level:+.10g}'.replace('-', _MINUS)}"
 
 
 def listing(names: Sequence[str]) -> str:

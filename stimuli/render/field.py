@@ -17,17 +17,17 @@ from stimuli.render.shapes import Floats, Part, bounds, distance, smooth_union
 CELL = 0.018
 ROUNDS = 4
 RELAXING = 0.6
-FAR = 0.10
+_FAR = 0.10
 BETWEEN_LIMBS = 0.006
 THIN = {0: "hand", 1: "toes"}  # axis: the parts that need a finer grid along it
-STEP = 1e-3  # metres, of central differences
-STENCIL = STEP * np.array(
+_STEP = 1e-3  # metres, of central differences
+STENCIL = _STEP * np.array(
     [[0, 0, 0], [1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]]
 )
 
 
 def body_distance(parts: Sequence[Part], points: Floats) -> Floats:
-    """(N,) signed distance of points (N, 3) from the joined body; exact only within `FAR`."""
+    """(N,) signed distance of points (N, 3) from the joined body; exact only within `_FAR`."""
     return _distances(parts, points, np.zeros((1, 3)))[0]
 
 
@@ -38,7 +38,7 @@ def _distances(parts: Sequence[Part], points: Floats, offsets: Floats) -> Floats
         low, high = bounds(part)
         beyond = np.maximum(np.maximum(low - points, points - high), 0.0)
         outside = np.sqrt(np.einsum("ni,ni->n", beyond, beyond))
-        near = np.flatnonzero(outside < FAR)
+        near = np.flatnonzero(outside < _FAR)
         gap = np.tile(outside, (len(offsets), 1))
         gap[:, near] = distance(part, points[near] + offsets[:, None])
         _add(limbs, part, gap, ...)
@@ -54,10 +54,10 @@ def grid_distance(parts: Sequence[Part], axes: Sequence[Floats]) -> Floats:
     limbs: dict[str, Floats] = {}
     for part in parts:
         if part.limb not in limbs:
-            limbs[part.limb] = np.full(shape, FAR)
+            limbs[part.limb] = np.full(shape, _FAR)
         corners = zip(*bounds(part), axes, strict=True)
         box = tuple(
-            slice(*np.searchsorted(axis, [least - FAR, most + FAR]))
+            slice(*np.searchsorted(axis, [least - _FAR, most + _FAR]))
             for least, most, axis in corners
         )
         grid = np.stack(
@@ -181,7 +181,7 @@ def _projected(parts: Sequence[Part], points: Floats) -> Floats:
     """Points moved along the gradient onto the zero surface (one Newton step, bounded)."""
     gaps = _distances(parts, points, STENCIL)
     slope = np.stack([gaps[1] - gaps[2], gaps[3] - gaps[4], gaps[5] - gaps[6]], axis=-1) / (
-        2 * STEP
+        2 * _STEP
     )
     steepness = np.maximum(np.einsum("ni,ni->n", slope, slope), 0.25)
     step = np.clip(gaps[0] / steepness, -CELL, CELL)

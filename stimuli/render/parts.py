@@ -14,8 +14,8 @@ LEFT, UP, AHEAD = np.eye(3)
 
 TORSO_WIDTHS = (0.082, 0.089, 0.087, 0.083, 0.086, 0.092, 0.096, 0.094, 0.080)
 TORSO_DEPTHS = (0.058, 0.063, 0.060, 0.058, 0.061, 0.064, 0.063, 0.058, 0.052)
-THIGH = (0.0505, 0.0515, 0.044, 0.0335, 0.0295)
-SHANK = (0.0295, 0.030, 0.0325, 0.0255, 0.019)
+_THIGH = (0.0505, 0.0515, 0.044, 0.0335, 0.0295)
+_SHANK = (0.0295, 0.030, 0.0325, 0.0255, 0.019)
 UPPER_ARM = (0.029, 0.030, 0.0265, 0.0215, 0.0205)
 FOREARM = (0.0205, 0.0225, 0.0205, 0.0165, 0.0150)
 
@@ -163,12 +163,12 @@ def _leg(marks: Landmarks, side: str) -> list[Part]:
     toes = ((0.1, f"{side}_ankle"), (0.4, f"{side}_toe"))
     return [
         _part(
-            marks, f"{side}_thigh", (hip, knee), THIGH,
+            marks, f"{side}_thigh", (hip, knee), _THIGH,
             ((0.1, f"{side}_hip_twist"), (0.7, f"{side}_hip")),
             shift=(0.010, 0.004, 0.0, 0.0, 0.0), limb=limb, blend=0.040,
         ),
         _part(
-            marks, f"{side}_shank", (knee, ankle), SHANK, ((0.0, f"{side}_knee"),),
+            marks, f"{side}_shank", (knee, ankle), _SHANK, ((0.0, f"{side}_knee"),),
             shift=(0.0, 0.007, 0.008, 0.003, 0.0), limb=limb, blend=0.003,
         ),
         _part(

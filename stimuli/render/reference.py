@@ -17,7 +17,7 @@ from stimuli.motion.skeleton import Motion, Skeleton
 from stimuli.render.posture import head_pitch, usual_posture
 from stimuli.ties import first_least
 
-ARM, THIGH, SHANK, TOES = np.radians([50.0, 7.0, 4.0, 8.0])
+ARM, _THIGH, _SHANK, TOES = np.radians([50.0, 7.0, 4.0, 8.0])
 STRAIGHT = np.radians(25.0)
 LOOKED_AT = 200
 AS_NEAR = 1e-9  # radians²: frames as near to the A-pose, as the two ends of a loop are
@@ -71,8 +71,8 @@ def targets(neck_tilt: float = 0.0) -> Mapping[str, tuple[str, Array]]:
         table |= {
             f"{side}_shoulder": (f"{side}_elbow", arm),
             f"{side}_elbow": (f"{side}_wrist", arm),
-            f"{side}_hip": (f"{side}_knee", _down(sign, THIGH)),
-            f"{side}_knee": (f"{side}_ankle", _down(sign, SHANK)),
+            f"{side}_hip": (f"{side}_knee", _down(sign, _THIGH)),
+            f"{side}_knee": (f"{side}_ankle", _down(sign, _SHANK)),
         }
     return table
 

@@ -31,7 +31,7 @@ GRAPHICS = (
     "install libegl1 libegl-mesa0 libgl1 libgl1-mesa-dri (Debian; it needs no screen and no card), "
     "or render on another machine and bring the set over"
 )
-NEAR, FAR = 0.05, 200.0
+NEAR, _FAR = 0.05, 200.0
 BORDER = 2  # pixels around the figure's box, for its antialiased edge
 
 
@@ -146,7 +146,7 @@ def _scene(pyrender: Any, skin: Skin, camera: Camera, look: Appearance) -> tuple
     )
     scene = pyrender.Scene(bg_color=(*look.background, 1.0))
     scene.add(pyrender.Mesh([primitive]))
-    lens = pyrender.PerspectiveCamera(camera.field_of_view, znear=NEAR, zfar=FAR)
+    lens = pyrender.PerspectiveCamera(camera.field_of_view, znear=NEAR, zfar=_FAR)
     scene.add(lens, pose=camera.pose)
     return scene, primitive
 

@@ -29,7 +29,7 @@ COMMANDS = {
 }
 
 
-STATISTICS = ("certify", "simulate", "fit", "report", "demo")
+_STATISTICS = ("certify", "simulate", "fit", "report", "demo")
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -40,7 +40,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 2
     named = next((word for word in arguments if not word.startswith("-")), None)
     args = _parser(named).parse_args(arguments)
-    if named in STATISTICS:
+    if named in _STATISTICS:
         # Their problems are small: threads cost ten times what they save. Set before NumPy loads.
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     warnings.showwarning = _say_warning

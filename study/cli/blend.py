@@ -9,12 +9,12 @@ if TYPE_CHECKING:
     from stimuli.transition import Transition
 
 
-METHODS = (
+METHOD_NAMES = (
     "cut", "fixed", "geodesic", "velocity", "velocity-speed", "timewarp", "per-joint",
     "inertialization", "inertialization-spring", "dead-blending",
 )  # fmt: skip
-SECONDS = 6.0  # of the clip around a cut that is looked for
-LONGEST = 120.0
+_SECONDS = 6.0  # of the clip around a cut that is looked for
+_LONGEST = 120.0
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -26,13 +26,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         explain_points,
     )
 
-    seconds = argument(float, f"seconds above 0, up to {LONGEST:g}", lambda x: 0 < x <= LONGEST)
+    seconds = argument(float, f"seconds above 0, up to {_LONGEST:g}", lambda x: 0 < x <= _LONGEST)
     add_point_arguments(parser, "; a cut needs no frames and takes the cheapest")
     explain_points(parser)
     parser.add_argument(
         "--method",
         default="geodesic",
-        help=f"{', '.join(METHODS[:-1])} or {METHODS[-1]} (default geodesic)",
+        help=f"{', '.join(METHOD_NAMES[:-1])} or {METHOD_NAMES[-1]} (default geodesic)",
     )
     parser.add_argument("--frames", type=int, help="length, instead of the method's own")
     add_specification_option(parser)
@@ -45,7 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--seconds",
         type=seconds,
         help="of clip that such a cut has around it, half before and half after "
-        f"(default {SECONDS:g}; only there)",
+        f"(default {_SECONDS:g}; only there)",
     )
     parser.add_argument("--smooth", action="store_true", help="ease the weights by a smoothstep")
     parser.add_argument("--no-foot-lock", action="store_true", help="let feet slide as they will")
@@ -142,7 +142,7 @@ def _best_cut(args: argparse.Namespace, library: "Library") -> tuple["Transition
     weights = read_weights(args.weights or "wang")
     a, b = library.load(args.from_point), library.load(args.to_point)
     tell_warnings(a, b)
-    frames = round((args.seconds or SECONDS) * a.motion.fps)
+    frames = round((args.seconds or _SECONDS) * a.motion.fps)
     joined, point = best_cut(a.motion, b.motion, weights, frames, specification=args.specification)
     return joined, (point.i, point.j)
 

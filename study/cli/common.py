@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from stimuli.motion import Motion
 
 HIGHEST = 1e6  # of the velocity weight
-SPECIFICATIONS = ("start-end", "center-aligned")  # `--help` is to load nothing heavy
+SPECIFICATION_NAMES = ("start-end", "center-aligned")  # `--help` is to load nothing heavy
 
 
 def argument(kind: type, expected: str, fits: Callable[[Any], bool]) -> Callable[[str], Any]:
@@ -30,7 +30,7 @@ def argument(kind: type, expected: str, fits: Callable[[Any], bool]) -> Callable
     return parse
 
 
-FRAMES = argument(int, "a number of frames, 0 or more", lambda n: n >= 0)
+_FRAMES = argument(int, "a number of frames, 0 or more", lambda n: n >= 0)
 SEED = argument(int, "a whole number, 0 or more", lambda n: n >= 0)
 COUNT = argument(int, "a whole number, 1 or more", lambda n: n >= 1)
 VELOCITY = argument(float, f"a number from 0 to {HIGHEST:g}", lambda x: 0 <= x <= HIGHEST)
@@ -58,7 +58,7 @@ def add_velocity_option(parser: argparse.ArgumentParser) -> None:
 
 def add_specification_option(parser: argparse.ArgumentParser) -> None:
     """`--specification`: what the two frames of a transition are."""
-    first, other = SPECIFICATIONS
+    first, other = SPECIFICATION_NAMES
     parser.add_argument(
         "--specification", default=first, help=f"{first} or {other} (default {first})"
     )
@@ -77,7 +77,7 @@ def add_room_options(parser: argparse.ArgumentParser) -> None:
     for side in ("before", "after"):
         parser.add_argument(
             f"--{side}",
-            type=FRAMES,
+            type=_FRAMES,
             default=0,
             metavar="N",
             help=f"frames wanted {side} the transition (default 0)",

@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from stimuli.motion.quaternions import Array
     from stimuli.transition.points import TransitionPoint
 
-SHOWN = 20  # of the minima are printed
+_SHOWN = 20  # of the minima are printed
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -80,13 +80,13 @@ def run(args: argparse.Namespace) -> int:
         return 0
     print(f"{a.name} ({cost.shape[0]} frames) to {b.name} ({cost.shape[1]}), cheapest first")
     print(f"from → to, cost, probability P(i, j) with σ = {sigma:.6g}")
-    for entry in listed[:SHOWN]:
+    for entry in listed[:_SHOWN]:
         print(
             f"{entry['from']:5d} → {entry['to']:<5d} {entry['cost']:.6f}  "
             f"{entry['probability']:.4g}"
         )
-    if len(listed) > SHOWN:
-        print(f"… and {len(listed) - SHOWN} more local minima (--json lists them)")
+    if len(listed) > _SHOWN:
+        print(f"… and {len(listed) - _SHOWN} more local minima (--json lists them)")
     _say_if_none(listed, args)
     for path in (args.out, args.npz):
         if path:

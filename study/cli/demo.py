@@ -11,7 +11,7 @@ from typing import Any
 from study.cli.common import SEED, add_motions_option, progress
 
 PROTOCOL, PREFERENCE = "jnd-center", "study-one"
-PEOPLE = 12
+_PEOPLE = 12
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -34,7 +34,7 @@ def run(args: argparse.Namespace) -> int:
     _rehearse(stimuli, directories, data, participant, args.seed)
     _say(f"rehearsal in the window: sub-{participant}")
     _simulate(directories, data, args.seed)
-    _say(f"{PEOPLE} people simulated")
+    _say(f"{_PEOPLE} people simulated")
     report = _report(data)
     _say(f"done in {time.monotonic() - began:.0f} s")
     print(f"report: {report}")
@@ -129,8 +129,8 @@ def _simulate(directories: list[Path], data: Path, seed: int) -> None:
     library = Library([d for d in directories if d.is_dir()])
     for name in (PROTOCOL, PREFERENCE):
         protocol = load_protocol(name)
-        with progress(PEOPLE, f"simulating {name}") as step:
-            simulate(protocol, references(protocol, library), PEOPLE, seed, data, progress=step)
+        with progress(_PEOPLE, f"simulating {name}") as step:
+            simulate(protocol, references(protocol, library), _PEOPLE, seed, data, progress=step)
 
 
 def _report(data: Path) -> Path:

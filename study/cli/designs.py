@@ -12,9 +12,9 @@ if TYPE_CHECKING:
 
     from study.protocol.protocol import Protocol
 
-PEOPLE = (6, 12, 18, 24, 35, 50, 80)
+_PEOPLE = (6, 12, 18, 24, 35, 50, 80)
 SHARES = (0.55, 0.60, 0.65, 0.75)
-FRAMES = (1.0, 2.0, 3.0)
+_FRAMES = (1.0, 2.0, 3.0)
 POWER = 0.8
 WORTH_PROCESSES = 10  # simulated studies from which the power is worth other processes
 
@@ -166,10 +166,10 @@ def _odd_pair_part(
             "participants": n,
             "power": difference_power(effect, sd, people, n, alpha) if sd else None,
         }
-        for effect in options.effects or FRAMES
+        for effect in options.effects or _FRAMES
         for n in _numbers(protocol, people)
     ]
-    effect = (options.effects or FRAMES[1:2])[0]
+    effect = (options.effects or _FRAMES[1:2])[0]
     by_people = {row["participants"]: row["power"] or 0.0 for row in power
                  if row["effect"] == effect}  # fmt: skip
     return {
@@ -188,7 +188,7 @@ def _numbers(protocol: "Protocol", people: int) -> list[int]:
 
     One person alone has no spread to test against.
     """
-    return sorted({*PEOPLE, *(n for n in (people, protocol.file.participants) if n > 1)})
+    return sorted({*_PEOPLE, *(n for n in (people, protocol.file.participants) if n > 1)})
 
 
 def exact_targets(protocol: "Protocol", references: dict[str, int]) -> list[dict[str, Any]]:

@@ -32,7 +32,7 @@ stage.tell("Segue")
 print(json.dumps(stage.display()))
 stage.close()
 """
-SECONDS = 60
+_SECONDS = 60
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -74,7 +74,7 @@ def _python(script: str, remedy: str = "") -> str:
         [sys.executable, "-c", script],
         capture_output=True,
         text=True,
-        timeout=SECONDS,
+        timeout=_SECONDS,
         env={**os.environ, "PYTHONPATH": str(Path(__file__).resolve().parents[2])},
         check=False,
     )

@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-FUNCTIONS = ("logistic", "cumulative-normal", "weibull", "gumbel")
+_FUNCTIONS = ("logistic", "cumulative-normal", "weibull", "gumbel")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -14,7 +14,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="columns level,correct,total or level,correct (commas, semicolons or tabs)",
     )
     parser.add_argument(
-        "--function", choices=FUNCTIONS, default="logistic", help="default logistic"
+        "--function", choices=_FUNCTIONS, default="logistic", help="default logistic"
     )
     parser.add_argument("--guess", type=float, default=0.5, help="guess rate (default 0.5)")
     parser.add_argument("--lapse", default="free", help="`free` (default) or a rate")

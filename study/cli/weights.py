@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from stimuli.motion import Library, Motion
     from stimuli.transition.fit import Fit, Labelled, LeftOut
 
-COLUMNS = ("from_clip", "from_frame", "to_clip", "to_frame", "good")
+_COLUMNS = ("from_clip", "from_frame", "to_clip", "to_frame", "good")
 GOOD = {"1": True, "0": False, "true": True, "false": False, "yes": True, "no": False,
         "good": True, "bad": False}  # fmt: skip
 TOLD = 3  # of the faults of a table, the first ones
@@ -35,7 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "labels",
         type=Path,
         metavar="LABELS.csv",
-        help=f"columns {', '.join(COLUMNS)}; good takes 1, true, yes or good, and 0, false, no or "
+        help=f"columns {', '.join(_COLUMNS)}; good takes 1, true, yes or good, and 0, false, no or "
         "bad; frames are 0-based, at 30 a second",
     )
     add_velocity_option(parser)
@@ -122,9 +122,9 @@ def _read_table(path: Path) -> list[tuple[int, dict[str, str]]]:
     from stimuli.errors import InputError
 
     read = read_table(path)
-    if absent := [column for column in COLUMNS if column not in read.header]:
+    if absent := [column for column in _COLUMNS if column not in read.header]:
         raise InputError(
-            f"{path}: expected columns {', '.join(COLUMNS)}, found no {', '.join(absent)}."
+            f"{path}: expected columns {', '.join(_COLUMNS)}, found no {', '.join(absent)}."
         )
     empty = dict.fromkeys(read.header, "")
     return [(line, empty | dict(zip(read.header, row, strict=False))) for line, row in read.rows]

@@ -19,7 +19,7 @@ from study.screen.schedule import NOMINAL_REFRESH, Due, last_refresh, late_frame
 from study.session.stage import Answer, Presented, SessionLeft
 from study.trials.tasks import Screens
 
-INK = (-0.85, -0.85, -0.85)
+_INK = (-0.85, -0.85, -0.85)
 READING_SECONDS = 1.5
 SPIN_SECONDS = 0.002
 ROW_GAP = 0.02
@@ -182,7 +182,7 @@ class WindowStage:
             text=text,
             height=height,
             wrapWidth=0.8 * self._window.size[0],
-            color=INK,
+            color=_INK,
             units="pix",
             alignText="center",
         ).draw()

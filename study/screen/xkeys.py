@@ -18,7 +18,7 @@ from study.session.stage import ScreenLostError
 
 PROBES = 64
 TICK = 1e-3  # the server counts whole milliseconds
-WRAP = 1 << 32  # of which its stamps hold 32 bits
+_WRAP = 1 << 32  # of which its stamps hold 32 bits
 
 
 class ClockFit(NamedTuple):
@@ -140,8 +140,8 @@ class ServerKeyboard:
 
     def _seconds(self, stamp: int) -> float:
         """Server seconds since the first stamp, whose 32 bits may have run over since."""
-        passed = (stamp - self._epoch) % WRAP
-        return (passed - WRAP if passed > WRAP // 2 else passed) * TICK
+        passed = (stamp - self._epoch) % _WRAP
+        return (passed - _WRAP if passed > _WRAP // 2 else passed) * TICK
 
     def _read(self) -> None:
         from Xlib.error import ConnectionClosedError

@@ -18,7 +18,7 @@ from study.trials.tasks.task import Responder, Screens, Task
 from study.trials.tracks import StaircaseTable, make_rule, start_tracks, track_faults
 from study.trials.trial import ClipKey, Outcome
 
-GUESS = 0.5
+_GUESS = 0.5
 SMALLEST_THRESHOLD = 0.5  # frames
 
 
@@ -148,13 +148,13 @@ def person(plan: Plan, truth: OddPairObserver, generator: np.random.Generator) -
         if mean is not None:
             threshold = max(abs(mean) + deviation, SMALLEST_THRESHOLD)
             locations[side] = location_for(
-                truth.function, threshold, truth.at, slope, GUESS, truth.lapse
+                truth.function, threshold, truth.at, slope, _GUESS, truth.lapse
             )
 
     def respond(trial: OddPair, draw: np.random.Generator) -> str:
         level = abs(trial.difference)
         location = locations[trial.track]
-        right = proportion(truth.function, level, location, slope, GUESS, truth.lapse)
+        right = proportion(truth.function, level, location, slope, _GUESS, truth.lapse)
         found = draw.random() < float(right)
         return str(trial.odd_pair if found else 3 - trial.odd_pair)
 
@@ -171,7 +171,7 @@ def settles(plan: Plan) -> list[dict[str, Any]]:
     if table is None or observer is None or observer.slope is None:
         return []
     found = []
-    curve = (observer.slope, GUESS, observer.lapse)
+    curve = (observer.slope, _GUESS, observer.lapse)
     for motion in plan.motions:
         for side, levels in motion.sides().items():
             if side not in observer.sides():

@@ -15,7 +15,7 @@ from study.trials.plan import Plan
 from study.trials.tasks.task import Responder, Screens, Task
 from study.trials.trial import ClipKey, Outcome
 
-TINY = 1e-12  # stands for a probability of 0 in odds
+_TINY = 1e-12  # stands for a probability of 0 in odds
 
 
 class PreferenceObserver(ObserverTable):
@@ -129,7 +129,7 @@ def _shares(prefer: Mapping[str, Any], category: str) -> Mapping[str, float]:
 
 
 def _odds(first: float, second: float) -> float:
-    return max(first, TINY) / max(second, TINY)
+    return max(first, _TINY) / max(second, _TINY)
 
 
 def faults(document: Mapping[str, Any]) -> Iterator[Fault]:

@@ -318,8 +318,8 @@ def test_a_length_at_the_clips_end_is_told_as_such(call, clips):
 
 
 def test_the_choices_in_the_help_are_those_there_are(capsys):
-    assert tuple(METHODS) == blend.METHODS
-    assert tuple(SPECIFICATIONS) == common.SPECIFICATIONS
+    assert tuple(METHODS) == blend.METHOD_NAMES
+    assert tuple(SPECIFICATIONS) == common.SPECIFICATION_NAMES
     for command in ("blend", "length"):
         with pytest.raises(SystemExit):
             main([command, "--help"])
