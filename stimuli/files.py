@@ -10,7 +10,7 @@ from pathlib import Path
 
 from stimuli.errors import UnwritableError
 
-_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)  # there is no room for what is written
+NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)  # there is no room for what is written
 
 
 def write_atomic(path: Path, content: str | bytes) -> None:
@@ -65,7 +65,7 @@ def refusals_name(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        remedy = "make room on it" if error.errno in _FULL else "make that one writable"
+        remedy = "make room on it" if error.errno in NO_ROOM else "make that one writable"
         raise UnwritableError(
             f"{path}: expected a place where a file can be written, found: "
             f"{error.strerror or error}.\nChoose another, or {remedy}."

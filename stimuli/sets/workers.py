@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stimuli.errors import MachineError, UnwritableError
+from stimuli.files import NO_ROOM
 from stimuli.render.appearance import Appearance
 from stimuli.render.bodies import Skin
 from stimuli.render.camera import Camera
@@ -191,10 +192,21 @@ def _outcome(job: RenderJob, drawing: Any) -> Rendered | BaseException:
         count = write_video(job.path, frames(), job.fps)
     except Exception as error:
         if isinstance(error, UnwritableError):
-            found = getattr(error.__cause__, "strerror", None) or error.__cause__
-            return MachineError(
-                f"{job.path.parent}: expected room for a clip, found none ({found}); the clips "
-                "rendered so far are kept.\nMake room on that disk, and run it again"
-            )
+            return _unwritten(job.path, error)
         return RuntimeError(f"{job.path.name}: {type(error).__name__}: {error}")
     return Rendered(job.path, count, sha.hexdigest())
+
+
+def _unwritten(path: Path, error: UnwritableError) -> MachineError:
+    """A clip that could not be written; those rendered so far are kept."""
+    cause = error.__cause__
+    why = getattr(cause, "strerror", None) or cause
+    if isinstance(cause, OSError) and cause.errno in NO_ROOM:
+        return MachineError(
+            f"{path.parent}: expected room for a clip, found none ({why}); the clips rendered so "
+            "far are kept.\nMake room on that disk, and run it again"
+        )
+    return MachineError(
+        f"{path}: expected a place for a clip, found: {why}; the clips rendered so far are "
+        "kept.\nMend that, and run it again"
+    )

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from filelock import FileLock
 
-from stimuli.errors import InputError
+from stimuli.errors import InputError, MachineError
 from stimuli.motion import Library, forward
 from stimuli.sets import (
     Manifest,
@@ -189,7 +189,7 @@ def test_a_failing_worker_is_told_and_leaves_no_manifest(
     group = plan_group(spec, resolve(spec, library)[0], library)
     blocked = out / "clips" / f"{group.clips[0].hash}.mkv"
     blocked.mkdir()
-    with pytest.raises(RuntimeError, match=blocked.name):
+    with pytest.raises(MachineError, match=f"{blocked.name}: expected a place for a clip"):
         build(spec, library, out, workers=1)
     assert not (out / "manifest.json").exists()
     assert not list(out.rglob("*.part*"))
