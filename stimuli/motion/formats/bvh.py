@@ -153,7 +153,10 @@ def _offsets(
     for joint, axes in table.moving.items():
         values = table.positions[joint]
         if joint == 0:
-            moves[0][:, axes] = values
+            if axes == [0, 1, 2]:
+                moves[0] = values
+            else:
+                moves[0][:, axes] = values
             continue
         still = values.min(axis=0) == values.max(axis=0)
         mean = np.where(still, values[0], values.mean(axis=0))
