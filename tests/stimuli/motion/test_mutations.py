@@ -114,6 +114,12 @@ LAYOUTS: Mapping[str, Change] = {
     "comments": lambda text: "# motion of\n// MOTION\n" + head(sub(
         r"^(.*(?:OFFSET|CHANNELS|\}).*)$", r"\1 # that { is all"))(body(sub(
             r"^(.*)$", r"\1 // frame"))(text)),
+    "comments that hold a motion part": lambda text: (
+        "# MOTION Frames: 3\n" + sub(
+            r"^(\s*)(ROOT|MOTION)", r"// MOTION Frames: 3\n\1\2", 2)(text)),
+    "a comment of a motion part beside a brace": sub(
+        r"\{\s*$", "{ # of MOTION\tFrames: 3 Frame Time: 1", 1),
+    "counts of channels with zeros": sub(r"CHANNELS\s+", "CHANNELS 0"),
     "comments between": body(sub(r"^", "# frame\n", 1)),
     "blank lines": body(sub("\n", "\n\n \n")),
     "tabs": body(sub(" +", "\t")),
