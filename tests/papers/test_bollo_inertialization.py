@@ -21,6 +21,7 @@ from stimuli.motion import quaternions as quat
 from stimuli.transition import Transition, transition
 from stimuli.transition.align import on_skeleton
 from stimuli.transition.decay import clamped, decay_quintic, decay_spring
+from tests.conftest import of_captured
 
 PAIRS = (
     ("05_01", "35_02"), ("07_03", "08_03"), ("16_15", "16_31"), ("35_28", "32_01"),
@@ -153,7 +154,7 @@ def assert_no_body_would_refuse(a: Motion, b: Motion, method: str, count: int, s
     return righted
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", of_captured(METHODS))
 def test_forty_joins_of_each_of_eight_captured_pairs(motions: Path, method):
     library = Library([motions / "cmu_bvh", motions / "accad_male1_bvh"])
     righted = [

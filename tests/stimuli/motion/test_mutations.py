@@ -14,6 +14,7 @@ import pytest
 from stimuli.errors import InputError
 from stimuli.motion.formats.bvh import read_bvh
 from stimuli.motion.formats.source import Take, text_of
+from tests.conftest import ABSENT, SHARED
 
 TWO = """HIERARCHY
 ROOT Hips
@@ -36,8 +37,6 @@ Frame Time: 0.033333
 1.0 90.0 2.5 10.0 20.0 30.0 1.0 2.0 3.25
 1.0 90.0 2.5 10.0 20.0 30.0 1.0 2.0 3.5
 """
-SHARED = Path(__file__).resolve().parents[4] / "shared" / "motions"
-ABSENT = "captured motion of another licence"
 REAL = sorted(
     path for path in SHARED.rglob("*.bvh")
     if path.parent.name != "messy" or path.name.startswith("real_")
