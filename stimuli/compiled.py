@@ -10,13 +10,13 @@ from collections.abc import Callable
 from functools import cache
 from typing import Any
 
-ENOUGH = 1_000_000  # bytes of numbers worked on in a process
+ENOUGH = 250_000  # numbers worked on in a process, a handful of clips of ten seconds
 
 
-def worth_loading(size: int) -> bool:
-    """Whether a process that has another `size` bytes to work on should load the loops."""
+def worth_loading(numbers: int) -> bool:
+    """Whether a process that has so many more `numbers` to work on should load the loops."""
     done = _done_so_far()
-    done[0] += size
+    done[0] += numbers
     return done[0] > ENOUGH or "numba" in sys.modules
 
 

@@ -1,11 +1,22 @@
 """What the whole suite shares: where captured motion lies, and what is said of what is absent."""
 
+from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 SHARED = Path(__file__).resolve().parents[2] / "shared" / "motions"
-ABSENT = "captured motion of another licence"
+ABSENT = "captured motion of another licence, and cases, kept beside the checkout"
+
+
+def of_captured(choices: Iterable[Any]) -> list[Any]:
+    """Parameters of a test of captured motion: where there is none, one that says so."""
+    first, *others = choices
+    if SHARED.is_dir():
+        return [first, *others]
+    values = first if isinstance(first, tuple) else (first,)
+    return [pytest.param(*values, marks=pytest.mark.skip(reason=ABSENT))]
 
 
 @pytest.fixture(scope="session")
@@ -40,7 +51,7 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
             why = ABSENT
         lacking[why] = lacking.get(why, 0) + 1
     for why, count in lacking.items():
-        place = f" (it would lie in {SHARED})" if why == ABSENT else ""
+        place = f" (it would lie in {SHARED.parent})" if why == ABSENT else ""
         terminalreporter.write_line(
             f"{count} test{'s' * (count > 1)} skipped, for want of: {why}{place}"
         )

@@ -13,7 +13,7 @@ def forward(skeleton: Skeleton, rotations: Array, root: Array) -> tuple[Array, A
 
     `rotations` (..., J, 4) are local, `root` (..., 3) is where the root joint stands.
     """
-    if worth_loading(rotations.nbytes):
+    if worth_loading(rotations.size):
         return _followed(skeleton, rotations, root)
     return _by_levels(skeleton, rotations, root)
 

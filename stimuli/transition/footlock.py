@@ -10,7 +10,8 @@ import numpy as np
 from stimuli.motion import quaternions as quat
 from stimuli.motion.quaternions import Array
 from stimuli.motion.skeleton import Motion, Skeleton
-from stimuli.transition.hold import EASE, SETTLE, corrections, slid, touching
+from stimuli.transition.align import aligned, on_skeleton
+from stimuli.transition.hold import APART, EASE, SETTLE, corrections, slid, touching, visible
 from stimuli.transition.ik import bend_axis, reach_out
 from stimuli.transition.plants import (
     LEVEL,
@@ -44,7 +45,7 @@ def lock_feet(motion: Motion, a: Motion, b: Motion, window: Window) -> Motion:
     pose = leg_pose(motion, rows)
     steps = floor_steps(pose, carried.on_toe[: len(pose.toe)])
     own = quat.rotate(pose.foot, carried.steps[: len(steps)]) * LEVEL
-    slides = slid(steps, own)
+    slides = slid(steps, own) * _two_places(motion.skeleton, a, b, window)[:, None]
     ends = rows.stop == len(motion)
 
     def corrected(side: int, within: Array, short: Array) -> Array:
@@ -82,6 +83,24 @@ def _carried(a: Contacts, b: Contacts, window: Window, rows: slice) -> Contacts:
     part = weight[:, None]
     steps = np.where(rules[..., None], b.steps[there], a.steps[here])
     return Contacts(stands, (1 - part) * a.on_toe[here] + part * b.on_toe[there], steps)
+
+
+def _two_places(skeleton: Skeleton, a: Motion, b: Motion, window: Window) -> Array:
+    """Whether either foot (2,) has two places to be held between: 0 where A and B are one, to 1.
+
+    What slides where both have it in one place has come from the way of joining, not from two
+    motions that differ: held, it would be taken farther from both.
+    """
+    first, last = max(window.first, -window.lag, 0), min(window.last, len(b) - 1 - window.lag)
+    last = min(last, len(a) - 1)
+    if last < first:
+        return np.ones(len(SIDES))
+    anchor = min(max(window.anchor, first), last)
+    placed = aligned(a, on_skeleton(b, skeleton), anchor, anchor + window.lag)
+    here = leg_pose(a, slice(first, last + 1))
+    there = leg_pose(placed, slice(first + window.lag, last + window.lag + 1))
+    gaps = [quat.norm(here.ankle - there.ankle), quat.norm(here.toe - there.toe)]
+    return visible(np.max(gaps, axis=(0, 1)), APART)
 
 
 def _part(pose: LegPose, part: slice) -> LegPose:

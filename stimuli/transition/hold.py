@@ -24,6 +24,7 @@ UNCHANGED = (
     1e-6  # metres a frame that a step may differ from the captured one, and is left as it is
 )
 FAINT = 4e-4  # metres a frame by which steps differ without anybody seeing it
+APART = 1e-3  # metres by which two places of a foot differ without anybody seeing it
 
 Plant = tuple[int, int]  # first and last frame
 
@@ -39,8 +40,13 @@ def slid(steps: Array, captured: Array) -> Array:
     None where the foot does as it was captured, which no blend has put there; all of them where a
     blend has changed them visibly.
     """
-    changed = np.maximum(quat.norm(steps - captured) - UNCHANGED, 0.0) ** 4
-    return steps * (changed / (changed + FAINT**4))[..., None]
+    return steps * visible(quat.norm(steps - captured), FAINT)[..., None]
+
+
+def visible(sizes: Array, faint: float) -> Array:
+    """0 for sizes that are nothing but rounding, one half for `faint` ones, to 1."""
+    changed = np.maximum(sizes - UNCHANGED, 0.0) ** 4
+    return np.asarray(changed / (changed + faint**4))
 
 
 def corrections(

@@ -72,6 +72,11 @@ def _print_roles(args: argparse.Namespace) -> int:
     from stimuli.motion import load_clip
     from stimuli.motion.listing import roles_as_overrides
 
+    if args.json:
+        raise InputError(
+            "--roles: expected no --json beside it, found one: roles are printed as TOML.\n"
+            "Leave out --json, or list the clip with --json and without --roles."
+        )
     if args.paths:
         raise InputError(
             f"--roles: expected one FILE, found another argument, {args.paths[0]}.\n"

@@ -4,6 +4,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.conftest import ABSENT
+
 STAT = Path(__file__).resolve().parents[2].parent / "shared" / "cases" / "stat"
 
 
@@ -11,5 +13,5 @@ def stat_case(name: str) -> Path:
     """A file of the cases of statistics."""
     path = STAT / name
     if not path.exists():
-        pytest.skip(f"{path} is not here: the cases lie beside the checkout, in ../shared")
+        pytest.skip(ABSENT)
     return path

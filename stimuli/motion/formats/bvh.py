@@ -30,6 +30,7 @@ _HIERARCHY = re.compile(_SKIPPED + rb"HIERARCHY", re.IGNORECASE)
 _MOTION = re.compile(
     rb"(?:^|(?<=[\s}]))MOTION(?=\s)(?=" + _SKIPPED + rb"(?!\{)(Frame)?)", re.IGNORECASE
 )
+_COMMENTED = re.compile(rb"(?<!\S)(?:#|//)[^\r\n]*\Z")
 _FIELDS = {
     "Frames": re.compile(_SKIPPED + rb"(Frames\s*+(?::\s*+)?)([^\s:]*)", re.IGNORECASE),
     "Frame Time": re.compile(_SKIPPED + rb"(Frame\s*Time\s*+(?::\s*+)?)(\S*)", re.IGNORECASE),
@@ -98,10 +99,13 @@ def _blanked(data: bytes) -> bytes:
 def _motion(data: bytes) -> tuple[int, int]:
     """Where the word MOTION begins and ends: the one before Frames, else the first; else the end.
 
-    A name is no such word, as a brace follows it; nor is a comment that speaks of motion.
+    A name is no such word, as a brace follows it; nor is one in a comment.
     """
     found = None
     for match in _MOTION.finditer(data):
+        line = max(data.rfind(b"\n", 0, match.start()), data.rfind(b"\r", 0, match.start()), 0)
+        if _COMMENTED.search(data, line, match.start()):
+            continue
         if match[1]:
             return match.start(), match.end()
         found = found or match
@@ -153,7 +157,10 @@ def _offsets(
     for joint, axes in table.moving.items():
         values = table.positions[joint]
         if joint == 0:
-            moves[0][:, axes] = values
+            if axes == [0, 1, 2]:
+                moves[0] = values
+            else:
+                moves[0][:, axes] = values
             continue
         still = values.min(axis=0) == values.max(axis=0)
         mean = np.where(still, values[0], values.mean(axis=0))

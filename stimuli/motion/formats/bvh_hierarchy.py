@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from stimuli.motion.formats.source import LINE_END, MOST_JOINTS, fault, shown
-from stimuli.motion.formats.words import IN_BOUNDS, decimals
+from stimuli.motion.formats.words import IN_BOUNDS, decimals, whole_number
 from stimuli.motion.quaternions import Array
 
 AXES = "XYZ"
@@ -201,7 +201,8 @@ def _set_channels(tree: Hierarchy, joint: int, words: _Words, line: int) -> None
     values = words.values()
     matches = [_CHANNEL.fullmatch(word) for word in values[1:]]
     channels = [(m[2].lower(), AXES.index(m[1].upper())) for m in matches if m]
-    sound = bool(values) and values[0] == str(len(channels)) and len(channels) == len(matches)
+    counted = bool(values) and whole_number(values[0]) == len(channels)
+    sound = counted and len(channels) == len(matches)
     if not sound or len(set(channels)) != len(channels) or (joint < 0 and channels):
         allowed = "that many of Xposition … Zrotation" if joint >= 0 else "none for an End Site"
         raise fault(

@@ -6,6 +6,8 @@ after them keeps its place.
 
 import re
 from collections.abc import Iterator
+from io import BytesIO, TextIOWrapper
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +25,6 @@ from stimuli.motion.formats.scan_state import (
 )
 from stimuli.motion.formats.source import fault, line_of, shown
 from stimuli.motion.formats.words import (
-    DECIMAL,
     IN_BOUNDS,
     LARGEST_NUMBER,
     decimal,
@@ -32,8 +33,8 @@ from stimuli.motion.formats.words import (
 from stimuli.motion.quaternions import Array
 
 _TODO = "The file is damaged; export it again."
-_NUMBERS = re.compile(rf"\s*+(?:{DECIMAL}(?:\s++|\Z))*+".encode(), re.IGNORECASE)
-_LINE = re.compile(rb"[^\r\n]++")
+_OF_NUMBERS = b"0123456789+-.eE \t\r\n"
+_PIECE = 1 << 16  # bytes
 _WORD = re.compile(rb"\S+")
 _COMMENT = re.compile(rb"(?<!\S)(?:#|//)[^\r\n]*")  # a word of its own, unlike that in -1.#IND
 
@@ -50,26 +51,19 @@ def plain_blocks(data: bytes, start: int, size: int, usual: int) -> Iterator[Arr
 
     ValueError at what is no such line, which is for `number_blocks` to read or to refuse.
     """
-    values: list[float] = []
-    for line in _LINE.finditer(data, start):
-        words = line[0].split()
-        if not words:
-            continue
-        if len(words) != usual or not _NUMBERS.fullmatch(line[0]):
+    pieces = (data[place : place + _PIECE] for place in range(start, len(data), _PIECE))
+    if any(piece.translate(None, _OF_NUMBERS) for piece in pieces):
+        raise ValueError("something else than numbers")
+    text = BytesIO(data)
+    text.seek(start)
+    lines = filter(str.strip, TextIOWrapper(text, encoding="ascii"))
+    while some := list(islice(lines, max(size // usual, 1))):
+        rows = np.loadtxt(some, comments=None, ndmin=2)
+        if rows.shape[1] != usual:
             raise ValueError("another layout")
-        values += map(float, words)
-        if len(values) >= size:
-            yield _bounded(values)
-            values = []
-    if values:
-        yield _bounded(values)
-
-
-def _bounded(values: list[float]) -> Array:
-    block = np.array(values)
-    if not np.all(np.abs(block) < LARGEST_NUMBER):
-        raise ValueError("a number out of bounds")
-    return block
+        if not np.all(np.abs(rows) < LARGEST_NUMBER):
+            raise ValueError("a number out of bounds")
+        yield rows.ravel()
 
 
 def number_blocks(

@@ -11,9 +11,9 @@ import pytest
 from stimuli.errors import InputError
 from stimuli.motion import forward, load_clip
 from stimuli.motion.formats.source import text_of
+from tests.conftest import ABSENT, SHARED
 
-SHARED = Path(__file__).resolve().parents[4] / "shared"
-REAL = sorted((SHARED / "motions" / "cmu_asfamc").glob("*.amc"))
+REAL = sorted((SHARED / "cmu_asfamc").glob("*.amc"))
 ASF = """# made by hand
 :version 1.10
 :units
@@ -211,7 +211,7 @@ def test_no_line_of_a_skeleton_ends_in_a_traceback(pair, keyword, by):
 
 def mutate_real(path: Path | None, pair: Callable) -> None:
     if path is None:
-        pytest.skip("captured motion of another licence")
+        pytest.skip(ABSENT)
     asf = text_of(path, next(path.parent.glob(f"{path.stem.split('_')[0]}.asf")).read_bytes())
     amc = "\n".join(text_of(path, path.read_bytes()).split("\n")[:900])
     amc = amc[: re.search(r"(?s).*(?=\n\d+\s*\n)", amc).end()] + "\n"

@@ -4,6 +4,7 @@ import itertools
 import re
 import subprocess
 import sys
+import tracemalloc
 from decimal import Decimal
 from pathlib import Path
 
@@ -327,6 +328,7 @@ def test_what_is_no_number_is_refused_with_its_line(word, plain):
         numbers(text)
 
 
+ZXY = "Zrotation Xrotation Yrotation"
 STRANGE_WORDS = st.lists(
     st.text("0123456789.+-eE", min_size=1, max_size=24), min_size=1, max_size=4
 )
@@ -407,7 +409,7 @@ def test_numbers_by_python_alone_are_those_of_the_compiled_loop(lines, end):
 
 @pytest.mark.parametrize("line", ["1 2", "1 2 3 4", "1 2 x", "1 2 1e9", "1 2 0e", "1 2 # 3", "1 ²"])
 def test_what_is_laid_out_otherwise_is_not_for_python_alone(line):
-    with pytest.raises(ValueError, match=r"layout|bounds"):
+    with pytest.raises(ValueError, match=r"layout|bounds|columns|convert|numbers"):
         list(plain_blocks(f"1 2 3\n{line}\n".encode(), 0, 6, 3))
 
 
@@ -439,3 +441,25 @@ def test_one_short_clip_is_read_without_loading_the_compiled_loops(tmp_path):
     command = [sys.executable, "-c", script, str(path)]
     done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT, check=True)
     assert done.stdout.split() == ["False", "True"]
+
+
+@pytest.mark.parametrize("loaded", [True, False])
+@pytest.mark.parametrize("form", [".0f", ".1f", ".4f", ".17g"])
+def test_a_file_takes_no_more_memory_than_itself_and_its_rotations(monkeypatch, form, loaded):
+    """Three times the file, or the file and the rotations where these alone are twice it; half a
+    megabyte is in hand."""
+    monkeypatch.setattr(bvh_table, "worth_loading", lambda numbers: loaded)
+    frames, joints = 1200, 20
+    tree = "".join(f"JOINT j{n}\n{{\nOFFSET 0 1 0\nCHANNELS 3 {ZXY}\n" for n in range(1, joints))
+    angles = np.random.default_rng(0).uniform(-180, 180, (frames, 3 * joints + 3))
+    rows = "\n".join(" ".join(format(angle, form) for angle in row) for row in angles)
+    data = (
+        "HIERARCHY\nROOT root\n{\nOFFSET 0 0 0\nCHANNELS 6 Xposition Yposition Zposition "
+        f"{ZXY}\n{tree}{'}' * joints}\nMOTION\nFrames: {frames}\nFrame Time: 0.01\n{rows}\n"
+    ).encode()
+    read_bvh(Path("a.bvh"), data)
+    tracemalloc.start()
+    take = read_bvh(Path("a.bvh"), data)
+    peak = len(data) + tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak <= max(3 * len(data), len(data) + 1.15 * take.rotations.nbytes + 500_000)

@@ -240,9 +240,13 @@ def test_damaged_acclaim_is_a_motion_or_a_refusal(tmp_path_factory, data):
     assert np.all(np.isfinite(clip.motion.root))
 
 
-def test_c3d_is_refused_with_what_to_convert_it_with(motions):
-    with pytest.raises(InputError, match="markers and no skeleton"):
-        load_clip(motions / "cmu_c3d" / "05_13.c3d")
+def test_c3d_is_refused_with_what_to_convert_it_with(tmp_path):
+    """A header: where the parameters are, 0x50, 41 markers."""
+    (tmp_path / "05_13.c3d").write_bytes(bytes([2, 0x50, 41, 0]) + bytes(508))
+    paths = [tmp_path / "05_13.c3d", *SHARED.glob("cmu_c3d/05_13.c3d")]
+    for path in paths:
+        with pytest.raises(InputError, match="markers and no skeleton"):
+            load_clip(path)
 
 
 def frame(duration: float = 1 / 30, **changes: float) -> list[float]:

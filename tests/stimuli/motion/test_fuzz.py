@@ -15,6 +15,7 @@ from stimuli.errors import InputError
 from stimuli.motion import load_clip, write_walker
 from stimuli.motion.formats.bvh_write import write_bvh
 from stimuli.motion.formats.source import MOST_ROTATIONS
+from tests.conftest import of_captured
 
 ROOT = Path(__file__).resolve().parents[3]
 FILES = ("messy/base.bvh", "messy/ok.amc", "messy/pos_all_joints_absolute.bvh",
@@ -110,7 +111,7 @@ def fuzz(whole: bytes, path: Path, damage: Callable, rounds: int) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("damage", [damaged, rescaled])
-@pytest.mark.parametrize("name", FILES)
+@pytest.mark.parametrize("name", of_captured(FILES))
 def test_damaged_files_never_hang_never_grow_never_give_nan(motions: Path, tmp_path, name, damage):
     source = motions / name
     for asf in source.parent.glob("ok.asf"):

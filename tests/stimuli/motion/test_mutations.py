@@ -14,6 +14,7 @@ import pytest
 from stimuli.errors import InputError
 from stimuli.motion.formats.bvh import read_bvh
 from stimuli.motion.formats.source import Take, text_of
+from tests.conftest import ABSENT, SHARED
 
 TWO = """HIERARCHY
 ROOT Hips
@@ -36,8 +37,6 @@ Frame Time: 0.033333
 1.0 90.0 2.5 10.0 20.0 30.0 1.0 2.0 3.25
 1.0 90.0 2.5 10.0 20.0 30.0 1.0 2.0 3.5
 """
-SHARED = Path(__file__).resolve().parents[4] / "shared" / "motions"
-ABSENT = "captured motion of another licence"
 REAL = sorted(
     path for path in SHARED.rglob("*.bvh")
     if path.parent.name != "messy" or path.name.startswith("real_")
@@ -114,6 +113,12 @@ LAYOUTS: Mapping[str, Change] = {
     "comments": lambda text: "# motion of\n// MOTION\n" + head(sub(
         r"^(.*(?:OFFSET|CHANNELS|\}).*)$", r"\1 # that { is all"))(body(sub(
             r"^(.*)$", r"\1 // frame"))(text)),
+    "comments that hold a motion part": lambda text: (
+        "# MOTION Frames: 3\n" + sub(
+            r"^(\s*)(ROOT|MOTION)", r"// MOTION Frames: 3\n\1\2", 2)(text)),
+    "a comment of a motion part beside a brace": sub(
+        r"\{\s*$", "{ # of MOTION\tFrames: 3 Frame Time: 1", 1),
+    "counts of channels with zeros": sub(r"CHANNELS\s+", "CHANNELS 0"),
     "comments between": body(sub(r"^", "# frame\n", 1)),
     "blank lines": body(sub("\n", "\n\n \n")),
     "tabs": body(sub(" +", "\t")),

@@ -14,6 +14,7 @@ from stimuli.motion.library import clips_under
 from stimuli.motion.listing import roles_as_overrides
 from stimuli.motion.roles import LIMBS, ROLES
 from stimuli.motion.shape import shape_roles
+from tests.conftest import of_captured
 
 LISTED = (
     "Hips Spine Chest Neck Head LeftShoulder LeftArm LeftForeArm LeftHand RightShoulder RightArm "
@@ -508,7 +509,7 @@ def assert_shape_tells_what_names_do(path) -> None:
     assert {role: joint for role, joint in found.items() if role not in wrists} == expected
 
 
-@pytest.mark.parametrize("name", FAMILIES)
+@pytest.mark.parametrize("name", of_captured(FAMILIES))
 def test_the_shape_of_a_captured_body_tells_what_its_names_do(motions, name):
     assert_shape_tells_what_names_do(motions / name)
 

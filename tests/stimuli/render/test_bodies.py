@@ -17,6 +17,7 @@ from stimuli.render.landmarks import landmarks
 from stimuli.render.parts import body_parts
 from stimuli.render.reference import reference_pose, swing
 from stimuli.render.rig import moved
+from tests.conftest import of_captured
 
 SKELETONS = {
     "cmu": "cmu_bvh/02_01.bvh",
@@ -116,7 +117,7 @@ def test_walking_keeps_the_volume() -> None:
         assert volume(points.astype(float), skin.faces) == pytest.approx(rest, rel=0.03)
 
 
-@pytest.mark.parametrize("name", SKELETONS)
+@pytest.mark.parametrize("name", of_captured(SKELETONS))
 def test_other_skeletons_stand_upright_with_their_joints_inside(name: str, motions: Path) -> None:
     motion = load_clip(motions / SKELETONS[name]).motion
     reference = reference_pose(motion)
@@ -159,7 +160,7 @@ def _local(reference: object) -> np.ndarray:
     return local
 
 
-@pytest.mark.parametrize("name", ["cmu", "accad"])
+@pytest.mark.parametrize("name", of_captured(["cmu", "accad"]))
 def test_faces_are_level_and_toes_flat_in_the_usual_posture(name: str, motions: Path) -> None:
     motion = load_clip(motions / SKELETONS[name]).motion
     reference = reference_pose(motion)

@@ -16,6 +16,7 @@ from stimuli.motion import quaternions as quat
 from stimuli.transition import transition, with_room
 from stimuli.transition.hold import FAINT, slid
 from stimuli.transition.ik import bend_axis, reach_out
+from stimuli.transition.methods import METHODS
 from stimuli.transition.plants import leg_pose
 from tests.conftest import SHARED
 
@@ -106,26 +107,52 @@ def test_joins_of_nearly_the_same_motions_are_nearly_the_same(
     assert np.quantile(gains, 0.9) < USUALLY
 
 
-def test_a_motion_that_goes_on_into_itself_is_left_as_it_is(clips: list[Motion]) -> None:
-    """Nothing slides that the blend has put there: nothing to hold, nothing to move."""
-    for motion in clips:
+@pytest.mark.parametrize("method", [name for name in METHODS if name != "cut"])
+def test_a_motion_that_goes_on_into_itself_is_left_as_it_is(
+    clips: list[Motion], method: str
+) -> None:
+    """Both have a foot in one place: nothing to hold, nothing to move.
+
+    Dead blending alone slides by itself there, as it leaves both for their last velocities.
+    """
+    done = 0
+    chosen = clips[:: 1 if len(clips) < 12 else 8]
+    for motion in chosen:
         a, i = with_room(motion, len(motion) // 2)
         for specification, frames in (("start-end", 10), ("center-aligned", 20)):
             if not 31 <= i < len(a) - 31:
                 continue
             j = i + (frames - 1) * (specification == "start-end")
-            free, held = (
-                transition(a, a, i, j, frames=frames, specification=specification, foot_lock=lock)
-                for lock in (False, True)
-            )
+            try:
+                free, held = (
+                    transition(a, a, i, j, method=method, frames=frames,
+                               specification=specification, foot_lock=lock)
+                    for lock in (False, True)
+                )  # fmt: skip
+            except InputError:  # where a method asks for more frames than there are
+                continue
+            done += 1
             assert np.array_equal(free.motion.root, held.motion.root)
             assert np.array_equal(free.motion.rotations, held.motion.rotations)
-            np.testing.assert_allclose(held.motion.root, a.root, atol=1e-9)
+            if method in ("fixed", "geodesic", "velocity", "velocity-speed"):
+                np.testing.assert_allclose(held.motion.root, a.root, atol=1e-9)
+    assert done >= len(chosen)
 
 
-def test_a_standing_figure_s_feet_stay_where_they_are(motions: Path) -> None:
+@pytest.fixture(params=["sample", "captured"])
+def standing(request: pytest.FixtureRequest) -> Motion:
+    """Who stands and sways: captured; or a sample's pose, swayed over the floor by millimetres."""
+    if request.param == "captured":
+        folder = request.getfixturevalue("motions") / "accad_male1_bvh"
+        return Library([folder]).load("Male1_A1_Stand").motion
+    pose = Library([request.getfixturevalue("sample_motions")]).load("humanoid3d_jump").motion
+    slow = np.arange(120)[:, None] * 2 * np.pi / np.array([90.0, 1.0, 70.0])
+    root = pose.root[0] + np.sin(slow) * np.array([0.003, 0.0, 0.002])
+    return Motion(pose.skeleton, np.tile(pose.rotations[0], (120, 1, 1)), root, pose.fps)
+
+
+def test_a_standing_figure_s_feet_stay_where_they_are(standing: Motion) -> None:
     """Half a second on, too, where the blend shifts them by less a frame than is seen."""
-    standing = Library([motions / "accad_male1_bvh"]).load("Male1_A1_Stand").motion
     for i, j, frames in ((30, 56, 10), (40, 57, 20), (40, 86, 30)):
         free, held = (
             leg_pose(transition(standing, standing, i, j, frames=frames, foot_lock=lock).motion,

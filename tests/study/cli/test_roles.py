@@ -33,7 +33,8 @@ def test_overrides_given_are_in_what_is_printed(walker_file, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("words", "told"),
     [(["nowhere.bvh"], "expected a file to read"), (["a.fbx"], "BVH"),
-     (["a.bvh", "b.bvh"], "expected one FILE, found another argument, b.bvh")],
+     (["a.bvh", "b.bvh"], "expected one FILE, found another argument, b.bvh"),
+     (["a.bvh", "--json"], "--roles: expected no --json beside it")],
 )  # fmt: skip
 def test_what_cannot_be_read_has_no_roles(tmp_path, monkeypatch, capsys, words, told):
     monkeypatch.chdir(tmp_path)

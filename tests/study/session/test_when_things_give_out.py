@@ -21,6 +21,7 @@ from study.protocol.sets import set_spec
 from study.record.table import COMMON, create
 from study.screen.virtual import virtual_screen
 from study.trials.reading import parse_protocol
+from tests.conftest import of_captured
 
 ROOT = Path(__file__).resolve().parents[3]
 SHARED = ROOT.parent / "shared" / "cases" / "session"
@@ -241,16 +242,16 @@ def test_a_rehearsal_without_the_studys_clips_makes_its_own_once(
 
 @pytest.mark.parametrize(
     ("case", "line", "word"),
-    [
-        ("keys_arrow.toml", 19, 'no key is called "left arrow" (did you mean left?)'),
-        ("keys_empty.toml", 19, "expected the name of a key, found an empty one"),
-    ],
+    of_captured(
+        [
+            ("keys_arrow.toml", 19, 'no key is called "left arrow" (did you mean left?)'),
+            ("keys_empty.toml", 19, "expected the name of a key, found an empty one"),
+        ]
+    ),
 )
 def test_keys_that_nobody_can_press_are_refused(
     place: Path, case: str, line: int, word: str
 ) -> None:
-    if not SHARED.is_dir():
-        pytest.skip(f"the cases are absent: {SHARED}")
     process = segue(place, "run", str(SHARED / case), "--participant", "p01")
     told = said(process)
     assert process.returncode == 2
