@@ -32,7 +32,7 @@ _ANALYSES: dict[str, Report] = {
     "natural": report_natural,
 }
 
-APART = {
+_APART = {
     "rehearsal": "A rehearsal: short clips and short tracks.",
     "paced": "Paced: time ran faster or slower than for people.",
 }
@@ -218,7 +218,7 @@ def _subtitle(context: Context) -> str:
 
 def _warnings(context: Context) -> tuple[str, ...]:
     study = context.study
-    told = [f"{APART[label]} {NOT_EVIDENCE}" for label in study.labels]
+    told = [f"{_APART[label]} {NOT_EVIDENCE}" for label in study.labels]
     observers = {str(session.sidecar.get("Observer", "human")) for session in study.sessions}
     if "simulated" in observers:
         who = "All" if observers == {"simulated"} else "Some"
