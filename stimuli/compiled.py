@@ -10,7 +10,7 @@ from collections.abc import Callable
 from functools import cache
 from typing import Any
 
-ENOUGH = 250_000  # numbers worked on in a process, a handful of clips of ten seconds
+ENOUGH = 1_000_000  # numbers worked on in a process, two dozen clips of ten seconds
 
 
 def worth_loading(numbers: int) -> bool:

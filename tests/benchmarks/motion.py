@@ -4,6 +4,7 @@ Everything is measured on generated data of the sizes that the figures are state
 numbers are the same kind everywhere; rivals get the same data in the same run.
 """
 
+import importlib
 import itertools
 import json
 import statistics
@@ -41,7 +42,11 @@ LIBRARY = 20_000
 
 
 def rows() -> list[dict[str, Any]]:
-    """Milliseconds, medians of several runs."""
+    """Milliseconds, medians of several runs, in a process that has loaded its loops.
+
+    Loading them takes half a second, once; a process that reads a handful of clips goes without.
+    """
+    importlib.import_module("numba")
     return [
         *_reading(), *_kinematics(), *_distance(), *_search(), *_lengths(), *_transition()
     ]  # fmt: skip

@@ -435,7 +435,7 @@ def test_one_short_clip_is_read_without_loading_the_compiled_loops(tmp_path):
         "import sys; from pathlib import Path; from stimuli.motion.formats.bvh import read_bvh\n"
         "path = Path(sys.argv[1]); data = path.read_bytes(); read_bvh(path, data)\n"
         "short = 'numba' in sys.modules\n"
-        "read_bvh(path, data + b'1 90 2 10 20 30 1 2 3\\n' * 100_000)\n"
+        "read_bvh(path, data + b'1 90 2 10 20 30 1 2 3\\n' * 500_000)\n"
         "print(short, 'numba' in sys.modules)"
     )
     command = [sys.executable, "-c", script, str(path)]
