@@ -1,6 +1,7 @@
 """What sessions, fits and reports may not need, so that Windows and macOS can run them."""
 
 import ast
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -77,3 +78,30 @@ def test_no_name_of_a_protocol_is_one_that_windows_refuses(name: str) -> None:
     text = shipped()["study-one"].read_text(encoding="utf-8")
     with pytest.raises(InputError, match="Windows"):
         parse_protocol(text.replace('name = "study-one"', f'name = "{name}"'))
+
+
+POSSESSIVE = re.compile(r"[*+?}]\+|\(\?>")
+LIKE_A_PATTERN = re.compile(r"\\[dsSwW]|\(\?|\]\+")
+
+
+def possessive(text: str | bytes) -> bool:
+    """Whether a text is a pattern with a quantifier that gives nothing back."""
+    plain = text if isinstance(text, str) else text.decode("latin-1")
+    bare = plain.replace("\\+", "")  # a plus sign of its own
+    return bool(LIKE_A_PATTERN.search(bare) and POSSESSIVE.search(bare))
+
+
+def test_no_pattern_is_possessive() -> None:
+    """Python 3.11.2, which Debian 12 has, matches possessive groups that failed half-way."""
+    assert possessive(r"(?:e\d++)?+")
+    assert possessive(rb"Frames\s*+")
+    assert not possessive(r"[+-]?\d+(?:e[+-]?\d+)?|C\+\+")
+    found = [
+        f"{path.relative_to(ROOT)}:{node.lineno}"
+        for package in ("study", "analysis", "stimuli")
+        for path in (ROOT / package).rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Constant) and isinstance(node.value, str | bytes)
+        if possessive(node.value)
+    ]
+    assert not found

@@ -24,7 +24,7 @@ from stimuli.motion.formats.source import (
 from stimuli.motion.formats.words import decimal, whole_number
 from stimuli.motion.quaternions import Array
 
-_SKIPPED = rb"(?:\s|(?:#|//)[^\r\n]*)*+"
+_SKIPPED = rb"\s*(?:(?:#|//)[^\r\n]*(?:[\r\n]\s*|\Z))*"  # a comment ends with its line alone
 _WIDE_BLANKS = re.compile(rb"\xc2\xa0|\xe2\x80[\x80-\x8b\xaf]|\xe3\x80\x80|\xef\xbb\xbf")
 _HIERARCHY = re.compile(_SKIPPED + rb"HIERARCHY", re.IGNORECASE)
 _MOTION = re.compile(
@@ -32,8 +32,8 @@ _MOTION = re.compile(
 )
 _COMMENTED = re.compile(rb"(?<!\S)(?:#|//)[^\r\n]*\Z")
 _FIELDS = {
-    "Frames": re.compile(_SKIPPED + rb"(Frames\s*+(?::\s*+)?)([^\s:]*)", re.IGNORECASE),
-    "Frame Time": re.compile(_SKIPPED + rb"(Frame\s*Time\s*+(?::\s*+)?)(\S*)", re.IGNORECASE),
+    "Frames": re.compile(_SKIPPED + rb"(Frames\s*(?::\s*)?)([^\s:]*)", re.IGNORECASE),
+    "Frame Time": re.compile(_SKIPPED + rb"(Frame\s*Time\s*(?::\s*)?)(\S*)", re.IGNORECASE),
 }
 _ADVICE = {
     "Frames": ("Frames: and their number", "Write the number of frames."),
