@@ -46,7 +46,7 @@ def test_a_frame_is_late_after_half_a_refresh(lag: float, late: int) -> None:
 @pytest.mark.parametrize("rate", [60.0, 120.0])
 def test_ten_frames_a_refresh_late_are_ten_whatever_the_jitter(rate: float) -> None:
     """Cases of flips that jitter by .1 ms."""
-    path = SHARED / "cases" / "session" / f"flips_{rate:g}hz.csv"
+    path = SHARED.parent / "cases" / "session" / f"flips_{rate:g}hz.csv"
     if not path.is_file():
         pytest.skip(ABSENT)
     with path.open(newline="") as stream:
