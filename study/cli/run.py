@@ -143,8 +143,8 @@ def _full_set(protocol: Any) -> Any:
         check_rendered(protocol, manifest, rehearsal=True)
     except InputError:
         return None
-    first = protocol.file.stimuli.motions[0].name
-    shown = [clip for clip in manifest.clips if clip.motion == first]
+    names = {pair.name for pair in protocol.file.stimuli.shown(rehearsal=True)}
+    shown = [clip for clip in manifest.clips if clip.motion in names]
     return manifest if all(clip.path.is_file() for clip in shown) else None
 
 

@@ -28,7 +28,6 @@ def open_window(
     corner = clips.frames([first])[first][0, 0, 0]
     look = Look(
         keys=file.keys,
-        responses=task.responses,
         gap=file.presentation.gap,
         clip_height=file.presentation.clip_height,
         fps=float(manifest.fps),

@@ -14,8 +14,10 @@ from study.screen.home import writable_home
 from study.screen.keyboards import open_keyboard
 from study.screen.panel import Panel
 from study.screen.refresh import Refresh, refresh_of
+from study.screen.scales import Clicks, Row, draw_scale
 from study.screen.schedule import Due, frames_late, last_refresh, schedule
 from study.session.stage import Answer, Presented, SessionLeft
+from study.trials.prompt import Prompt
 from study.trials.tasks import Screens
 
 _INK = (-0.85, -0.85, -0.85)
@@ -29,7 +31,6 @@ class Look:
     """How a window shows trials: keys, layout, gap (s), clip height as a share of the window."""
 
     keys: Keys
-    responses: tuple[str, str]
     gap: float
     clip_height: float
     fps: float
@@ -57,6 +58,7 @@ class WindowStage:
         self._paced = not self._refresh.vsync
         self._rate = self._refresh.rate
         self._panels: dict[tuple[int, int, tuple[int, ...]], Panel] = {}
+        self._shown = False  # whether clips were, since the last question
         self._zero: float | None = None
         self._zero_wall: float | None = None
 
@@ -105,29 +107,37 @@ class WindowStage:
         """Show each screen's clips in step; all are decoded before the first frame."""
         clips = self._clips.frames(key for keys in screens for key in keys)
         decoded = [[clips[key] for key in keys] for keys in screens]
-        onset = 0.0
+        onset = 0.0 if self._zero is None else time.perf_counter() - self._zero
         late: list[tuple[int, ...]] = []
         for n, frames in enumerate(decoded):
             self._text(str(n + 1) if len(decoded) > 1 else "+")
             self._wait(self._look.gap / self._look.pace)
             self._leave_on_quit()
+            self._shown = True
             start, slow = self._play(frames, f"{label} screen {n + 1}")
             onset = start if n == 0 else onset
             late.append(slow)
         return Presented(onset, None if self._look.pace > 1 else tuple(late))
 
-    def ask(self, question: str, seconds: float | None, planned: Answer | None) -> Answer:
-        """Put the question; keys count from the flip of the last frame on."""
-        self._text(question)
+    def ask(self, question: Prompt, seconds: float | None, planned: Answer | None) -> Answer:
+        """Put the question; keys count from the flip of the last frame on, else from its own."""
+        row = None
+        if question.scale is not None:
+            row = draw_scale(self._window, question.scale, tuple(question.answers))
+        if not self._shown:
+            self._window.callOnFlip(self._keyboard.listen)
+        self._text(question.text, up=0.15 if row else 0.0)
+        self._shown = False
         if planned is not None and planned.response_time is not None:
             taken = planned.response_time
             in_time = seconds is None or taken <= seconds
             self._wait((taken if in_time else seconds or 0.0) / self._look.pace)
             self._leave_on_quit()
             return planned if in_time else Answer(None, None)
-        keys = self._look.keys
-        first, second = self._look.responses
-        return self._await_key({keys.first: first, keys.second: second}, seconds)
+        if row is None:
+            return self._await_key(question.answers, seconds)
+        with Clicks(self._window) as clicks:
+            return self._await_key(question.answers, seconds, clicks, row)
 
     def picture(self) -> Any:
         """What the back buffer holds, as a PIL image; call it before a flip."""
@@ -177,7 +187,7 @@ class WindowStage:
                 self._panels[count, n, shape] = Panel(centre, (wide, tall))
         return [self._panels[count, n, shape] for n in range(count)]
 
-    def _text(self, text: str) -> None:
+    def _text(self, text: str, up: float = 0.0) -> None:
         from psychopy import visual
 
         height = self._window.size[1] / 30
@@ -189,6 +199,7 @@ class WindowStage:
             color=_INK,
             units="pix",
             alignText="center",
+            pos=(0, up * self._window.size[1]),
         ).draw()
         self._flip()
 
@@ -218,8 +229,17 @@ class WindowStage:
         if self._keyboard.pressed([self._look.keys.quit], clear=False):
             raise SessionLeft
 
-    def _await_key(self, meanings: Mapping[str, str], seconds: float | None) -> Answer:
-        """The first of the keys pressed since keys count, within seconds of the last frame."""
+    def _await_key(
+        self,
+        meanings: Mapping[str, str],
+        seconds: float | None,
+        clicks: Clicks | None = None,
+        row: Row | None = None,
+    ) -> Answer:
+        """The first of the keys pressed since keys count, within seconds of the last frame.
+
+        A click on a point of `row` answers too, timed when it is seen.
+        """
         wanted = [*meanings, self._look.keys.quit]
         while seconds is None or self._keyboard.since() < seconds:
             for key in self._keyboard.pressed(wanted):
@@ -227,6 +247,9 @@ class WindowStage:
                     raise SessionLeft
                 if seconds is None or key.seconds <= seconds:
                     return Answer(meanings[key.name], key.seconds)
+            for place in clicks.taken() if clicks and row else ():
+                if (point := row.at(*place)) is not None:  # type: ignore[union-attr]
+                    return Answer(point, self._keyboard.since())
             time.sleep(0.002)
             self._window.winHandle.dispatch_events()
         return Answer(None, None)

@@ -7,12 +7,12 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from stimuli.errors import InputError, InputWarning
-from study.record.table import Record, as_number, as_whole
+from study.record.table import MISSING, Record, as_number, as_whole
 from study.session.progress import Progress, advance, begin, may_void, next_trial, pause_due
 from study.session.stage import Answer, Stage
 from study.session.voids import VOID, VoidRule
 from study.trials.observers import Simulated
-from study.trials.plan import Plan
+from study.trials.plan import Plan, examples_of
 from study.trials.tasks import Screens, Task
 from study.trials.tracks import Tracks
 from study.trials.trial import ClipKey, Outcome, Trial
@@ -39,7 +39,6 @@ Clips = Callable[[ClipKey], ShownClip]
 class Settings:
     """How a session is shown: screen texts, answer window, what makes a trial void."""
 
-    question: str
     welcome: str
     thanks: str
     pause: str
@@ -60,7 +59,6 @@ def settings_of(plan: Plan, task: Task) -> Settings:
         "seconds": seconds,
     }
     return Settings(
-        question=file.instructions.question or task.question.format(**named),
         welcome=file.instructions.welcome or task.welcome.format(**named),
         thanks=file.instructions.thanks,
         pause=file.instructions.pause or PAUSE.format(**named),
@@ -99,6 +97,10 @@ def run(
     settings = settings_of(plan, task)
     earlier = record.sidecar.get("KeyTiming", [])
     stage.tell(settings.welcome)
+    if not progress.number:
+        for text, key in examples_of(plan):
+            stage.tell(text)
+            stage.present(((key,),), f"example {key.motion}")
     _note_timing(record, stage, earlier)
     since_first = _since_first_flip(stage, record)
     while (step := _trial(progress, stage, settings, observer, clips, since_first)) is not None:
@@ -137,7 +139,8 @@ def _trial(
         planned = Answer(*observer.answer(trial.content, generator))
     screens = arrange(progress.task.screens(trial.content), settings.layout)
     shown = stage.present(screens, f"trial {trial.number}")
-    answer = stage.ask(settings.question, settings.answer_seconds, planned)
+    question = progress.task.ask(progress.plan.protocol.file, trial.content)
+    answer = stage.ask(question, settings.answer_seconds, planned)
     bad = shown.late is not None and settings.is_void(
         shown.late, [[clips(key).blend for key in keys] for keys in screens]
     )
@@ -187,7 +190,9 @@ def _warn_when_slow(record: Record) -> None:
 
 def row_of(task: Task, trial: Trial, outcome: Outcome, clips: Clips) -> dict[str, Any]:
     """A row of the record."""
-    first, second = task.clips(trial.content)
+    shown = [clips(key).hash for key in task.clips(trial.content)]
+    first, second = [*shown, None, None][:2]
+    named = task.row(trial.content, outcome)
     return {
         "trial": trial.number,
         "phase": trial.phase,
@@ -197,9 +202,12 @@ def row_of(task: Task, trial: Trial, outcome: Outcome, clips: Clips) -> dict[str
         "response_time": outcome.response_time,
         "late_frames": outcome.late_frames,
         "void": outcome.void,
-        "clip_a": clips(first).hash,
-        "clip_b": clips(second).hash,
-        **task.row(trial.content, outcome),
+        "clip_a": first,
+        "clip_b": second,
+        **{
+            key: (clips(value).hash or value.called) if isinstance(value, ClipKey) else value
+            for key, value in named.items()
+        },
     }
 
 
@@ -228,7 +236,11 @@ def replay_rows(plan: Plan, rows: Iterable[Mapping[str, str]]) -> Progress:
 
 
 def _same(expected: Mapping[str, object], found: Mapping[str, str]) -> bool:
-    return all(found[k] == ("n/a" if v is None else str(v)) for k, v in expected.items())
+    return all(
+        found[k] == (MISSING if v is None else str(v))
+        for k, v in expected.items()
+        if not isinstance(v, ClipKey)  # which the record names by its hash
+    )
 
 
 def _outcome(row: Mapping[str, str]) -> Outcome:

@@ -30,7 +30,8 @@ def unrendered(key: ClipKey) -> ShownClip:
 
 def plan_of(protocol: Protocol, references: dict[str, int], seed: int, participant: int) -> Plan:
     """The plan of the n-th simulated participant."""
-    return make_plan(protocol, references, session_seed(seed, participant))
+    group = participant % TASKS[protocol.file.task].groups(protocol.file)
+    return make_plan(protocol, references, session_seed(seed, participant), group=group)
 
 
 def rows(plan: Plan, observer: Simulated | None = None) -> Iterator[dict[str, Any]]:
@@ -57,9 +58,7 @@ def simulate(
     """
     numbers = _free_numbers(data, protocol.label, participants)
     prepare(data)
-    jobs = [
-        (protocol.document, references, session_seed(seed, n - 1), data, _name(n)) for n in numbers
-    ]
+    jobs = [(protocol.document, references, seed, data, n) for n in numbers]
     paths = []
     for path in mapped(_one, jobs, workers, 1 + participants // WORTH_A_PROCESS):
         paths.append(path)
@@ -89,12 +88,12 @@ def _free_numbers(data: Path, label: str, count: int) -> list[int]:
     return numbers
 
 
-def _one(job: tuple[Any, dict[str, int], int, Path, str]) -> Path:
+def _one(job: tuple[Any, dict[str, int], int, Path, int]) -> Path:
     """One session into its record; runs in a worker process."""
 
-    document, references, seed, data, name = job
-    protocol = protocol_of(document)
-    plan = make_plan(protocol, references, seed)
+    document, references, seed, data, number = job
+    protocol, name = protocol_of(document), _name(number)
+    plan = plan_of(protocol, references, seed, number - 1)
     stage = _nowhere(plan)
     task = TASKS[protocol.file.task]
     path = record_path(data, name, protocol.label, 1)

@@ -13,7 +13,7 @@ from study.trials.staircase import Stop, Track, answer, replay_track, start_trac
 
 NEVER = Stop((("trials", 10**9),), most=10**9)
 ANSWERS = st.lists(st.booleans(), max_size=80)
-RULE = st.sampled_from([rule() for name, rule in RULES.items() if name != "quest-plus"])
+RULE = st.sampled_from([rule() for name, rule in RULES.items() if name != "questplus"])
 LEVELS = st.lists(st.integers(1, 40), min_size=1, max_size=12, unique=True).map(sorted)
 
 
