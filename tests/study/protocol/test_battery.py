@@ -70,12 +70,12 @@ def test_a_battery_is_run_in_an_order_that_few_have_had(tmp_path: Path) -> None:
     for name in ("one", "two"):
         (tmp_path / f"{name}.toml").write_text(PART.format(name=name))
     (tmp_path / "both.toml").write_text('name = "both"\nprotocols = ["one.toml", "two.toml"]\n')
-    environment = os.environ | {"SEGUE_MOTIONS": str(tmp_path / "motions"), "PYTHONPATH": str(ROOT)}
+    own = {"SEGUE_MOTIONS": str(tmp_path / "motions"), "PYTHONPATH": str(ROOT)}
 
     def segue(*words: str) -> subprocess.CompletedProcess[str]:
         return subprocess.run(
             [sys.executable, "-m", "study.cli", *words],
-            cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=200,
+            cwd=tmp_path, env=os.environ | own, capture_output=True, text=True, timeout=200,
         )  # fmt: skip
 
     assert segue("render", "both.toml").returncode == 0
