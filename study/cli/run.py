@@ -69,7 +69,7 @@ def run(args: argparse.Namespace) -> int:
             f"segue: note: keys are timed by the X server, to about a millisecond;\n{PERMIT}",
             file=sys.stderr,
         )
-    _ask_person(args)
+    _ask_person(args, protocol)
     record = _conducted(args, request, protocol, manifest)
     if record is None:
         return 1
@@ -224,12 +224,12 @@ def _asks(args: argparse.Namespace) -> bool:
     return args.observer == "human" and not args.rehearsal and sys.stdin.isatty()
 
 
-def _ask_person(args: argparse.Namespace) -> None:
+def _ask_person(args: argparse.Namespace, protocol: Any) -> None:
     """What a study asks of a person, before the session, on a terminal; blank is n/a."""
     from study.record.dataset import QUESTIONS, enrol, prepare
 
     if _asks(args) and _place(args) == 1:
-        prepare(args.data)
+        prepare(args.data, protocol.file.lab)
         answers = {key: input(f"{text}: ").strip() for key, text in QUESTIONS.items()}
         enrol(args.data, args.participant, **answers)
 

@@ -128,6 +128,16 @@ class Instructions(TomlTable):
     thanks: str = "Thank you. The session is over."
 
 
+class Lab(TomlTable):
+    """Who runs the study and where, for the data set that it leaves."""
+
+    authors: tuple[str, ...] = ()
+    institution: str = ""
+    department: str = ""
+    address: str = ""
+    license: str = ""
+
+
 class Trials(TomlTable):
     """Trials beside or instead of tracks."""
 
@@ -206,6 +216,7 @@ class ProtocolFile(TomlTable):
     appearance: AppearanceTable = AppearanceTable()
     presentation: Presentation = Presentation()
     keys: Keys = Keys()
+    lab: Lab = Lab()
     instructions: Instructions = Instructions()
     trials: Trials = Trials()
     rehearsal: Rehearsal = Rehearsal()

@@ -31,6 +31,13 @@ COMMON: Mapping[str, str] = {
     "clip_b": "hash of the second clip named by the task",
 }
 
+FORMATS: Mapping[str, Mapping[str, str]] = {  # of columns that BIDS knows, and of other numbers
+    "onset": {"Format": "number", "Units": "s"},
+    "response_time": {"Format": "number", "Units": "s"},
+    "trial": {"Format": "integer"},
+    "late_frames": {"Format": "integer"},
+}
+
 
 class NotKeptError(MachineError):
     """An answer could not be written; those before it are kept, and resuming asks it again."""

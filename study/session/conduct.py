@@ -13,7 +13,7 @@ from study.session.stage import Answer, Stage
 from study.session.voids import VOID, VoidRule
 from study.trials.observers import Simulated
 from study.trials.plan import Plan, examples_of
-from study.trials.tasks import Screens, Task
+from study.trials.tasks import Screens, Task, named_keys, welcome_of
 from study.trials.tracks import Tracks
 from study.trials.trial import ClipKey, Outcome, Trial
 
@@ -52,16 +52,10 @@ def settings_of(plan: Plan, task: Task) -> Settings:
     """The protocol's settings, with the task's own where the protocol is silent."""
     file = plan.protocol.file
     seconds = file.presentation.answer_seconds or task.answer_seconds
-    named = {
-        "first": file.keys.first,
-        "second": file.keys.second,
-        "go_on": file.keys.go_on.upper(),
-        "seconds": seconds,
-    }
     return Settings(
-        welcome=file.instructions.welcome or task.welcome.format(**named),
+        welcome=welcome_of(file, task),
         thanks=file.instructions.thanks,
-        pause=file.instructions.pause or PAUSE.format(**named),
+        pause=file.instructions.pause or PAUSE.format(**named_keys(file, task)),
         answer_seconds=seconds,
         is_void=partial(VOID[file.presentation.void], file.presentation.late_frames_allowed or 0),
         feedback=file.presentation.feedback_in_practice,

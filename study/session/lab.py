@@ -172,7 +172,7 @@ def _flip_log(request: Request, record: Path) -> Path:
 def _new_record(
     request: Request, plan: Plan, task: Task, manifest: "Manifest", stage: Stage, path: Path
 ) -> Record:
-    prepare(request.data)
+    prepare(request.data, plan.protocol.file.lab)
     enrol(request.data, request.participant, observer=request.observer)
     sidecar = sidecar_of(
         plan,
