@@ -111,7 +111,8 @@ class Presentation(TomlTable):
 
 
 class Keys(TomlTable):
-    """The keys that answer a trial, for the first and the second alternative, and to leave."""
+    """The keys that answer a trial, for the first and the second alternative, to go on, and to
+    pause or leave."""
 
     first: str = "1"
     second: str = "2"
@@ -125,6 +126,10 @@ class Instructions(TomlTable):
     welcome: str = ""
     question: str = ""
     pause: str = ""
+    interrupted: str = (
+        "Paused.\n\nPress {go_on} to go on; what was on the screen is shown again.\n"
+        "Press {quit} once more to leave. All answers so far are kept."
+    )
     thanks: str = "Thank you. The session is over."
 
 
