@@ -90,17 +90,14 @@ class Record:
 def create(path: Path, columns: tuple[str, ...], sidecar: dict[str, Any]) -> Record:
     """A new record with its header; raises FileExistsError rather than touch an old one.
 
-    The sidecar comes first: a table that is there has one, whenever the session is killed.
+    The sidecar comes first: a table that is there has one and a header, whenever it is killed.
     """
     if path.exists():
         raise FileExistsError(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     record = Record(path, columns, sidecar)
     record.save_sidecar()
-    with path.open("x", encoding="utf-8", newline="") as stream:
-        stream.write(_line(list(columns)))
-        stream.flush()
-        os.fsync(stream.fileno())
+    write_atomic(path, _line(list(columns)))
     return record
 
 
