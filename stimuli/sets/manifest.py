@@ -9,7 +9,8 @@ from typing import Any
 from stimuli.errors import InputError
 from stimuli.sets.naming import digest
 
-FORMAT = 1
+FORMAT = 2
+READ = (1, FORMAT)  # MANIFEST.md tells what each holds
 MANIFEST = "manifest.json"
 
 
@@ -72,9 +73,9 @@ def load_manifest(directory: Path) -> Manifest:
         ) from error
     except (OSError, ValueError) as error:
         raise InputError(f"{path}: expected a manifest, found a damaged one ({error}).") from error
-    if not isinstance(document, dict) or document.get("format") != FORMAT:
+    if not isinstance(document, dict) or document.get("format") not in READ:
         raise InputError(
-            f"{path}: expected a manifest of format {FORMAT}, found another.\n"
+            f"{path}: expected a manifest of format {' or '.join(map(str, READ))}, found another.\n"
             "Build the set again with segue render."
         )
     return from_document(directory, document)

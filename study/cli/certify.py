@@ -77,8 +77,8 @@ def _check_effects(effects: list[float], protocol: "Protocol") -> None:
 
 def _all(jobs: "list[SimulatedStudy]", workers: int | None) -> list[dict[str, Any]]:
     """Simulate and analyse every study, on all cores."""
+    from stimuli.processes import mapped
     from study.cli.designs import one_study
-    from study.session.processes import mapped
 
     found = []
     with progress(len(jobs), "simulating studies") as step:

@@ -254,8 +254,8 @@ def _preference_powers(
     As many simulated studies as were asked for; on all cores where there are many.
     """
     from analysis.certificate import PowerJob, preference_power
+    from stimuli.processes import mapped
     from study.cli.common import progress
-    from study.session.processes import mapped
 
     file = protocol.file
     spread = file.observer.spread if file.observer else 0.0

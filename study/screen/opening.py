@@ -1,9 +1,8 @@
 """From a session's request to its window: which clips, which keys, what background."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from stimuli.errors import InputError
 from study.screen.clips import ClipCache, Frames
 from study.screen.lost import tell_when_lost
 from study.screen.window import Look, WindowStage
@@ -19,10 +18,12 @@ def open_window(
     request: Request, plan: Plan, task: Task, manifest: "Manifest", flip_log: Path
 ) -> WindowStage:
     """The window of a session, open, its background that of the clips."""
+    from stimuli.sets.video import read_clip
+
     file = plan.protocol.file
     seconds = min(file.rehearsal.seconds, manifest.seconds) if plan.rehearsal else manifest.seconds
     count = round(seconds * manifest.fps)
-    clips = ClipCache(lambda key: middle_of(_whole(entry(manifest, key)), count))
+    clips = ClipCache(lambda key: middle_of(read_clip(entry(manifest, key)), count))
     first = clips_of(plan)[0]
     corner = clips.frames([first])[first][0, 0, 0]
     look = Look(
@@ -38,19 +39,6 @@ def open_window(
     stage = WindowStage(look, clips, flip_log, request.screen, request.windowed)
     tell_when_lost(request.lost)
     return stage
-
-
-def _whole(clip: Any) -> Frames:
-    """The frames of a clip of the manifest; InputError where some are missing."""
-    from stimuli.sets.video import decode_video
-
-    frames = decode_video(clip.path)
-    if len(frames) != clip.frames:
-        raise InputError(
-            f"{clip.path}: expected {clip.frames} frames, found {len(frames)}: it was cut short.\n"
-            "Build the stimulus set again with segue render"
-        )
-    return frames
 
 
 def middle_of(frames: Frames, count: int) -> Frames:

@@ -6,12 +6,12 @@ from pathlib import Path
 from typing import Any
 
 from stimuli.errors import InputError
+from stimuli.processes import mapped
 from study.protocol.protocol import Protocol
 from study.record.dataset import enrol, prepare, record_path, runs
 from study.record.sidecar import sidecar_of
 from study.record.table import COMMON, create
 from study.session.conduct import rows_of_plan, run
-from study.session.processes import mapped
 from study.session.stage import Nowhere
 from study.trials.observers import Simulated, simulated
 from study.trials.plan import Plan, make_plan, session_seed
