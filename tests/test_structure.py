@@ -20,6 +20,7 @@ FLOORS = (
     ("stimuli.transition",),
     ("stimuli.render",),
     ("stimuli.sets",),
+    ("stimuli.sheet",),
     ("study.protocol",),
     ("study.trials",),
     ("study.record",),

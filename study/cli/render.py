@@ -39,6 +39,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--strips", action="store_true", help="write a film strip of each clip beside it"
     )
     parser.add_argument(
+        "--sheet",
+        action="store_true",
+        help="write a page in which all clips play, and a picture of strips, beside the manifest",
+    )
+    parser.add_argument(
         "--prune", action="store_true", help="remove clips that the set no longer names"
     )
     parser.add_argument("--json", action="store_true", help="print one JSON document")
@@ -71,6 +76,8 @@ def run(args: argparse.Namespace) -> int:
     pruned = prune(manifest) if args.prune else 0
     if args.strips:
         _write_strips(manifest)
+    if args.sheet:
+        _write_sheet(manifest, args.workers)
     duration = session_duration(protocol, references_of_manifest(protocol, manifest))
     _tell(args, manifest, pruned, duration)
     return 0
@@ -159,3 +166,16 @@ def _write_strips(manifest: "Manifest") -> None:
         name = f"{entry.motion}-{kind}.png"
         picture = strip(read_clip(entry), middle=(first + last) // 2)
         write_png(manifest.directory / "strips" / name, picture)
+
+
+def _write_sheet(manifest: "Manifest", workers: int | None) -> None:
+    """The page and the picture to look at before people are invited; says where they are."""
+    from stimuli.sheet import gather, write_page, write_strips
+
+    motions = len({entry.motion for entry in manifest.clips})
+    with progress(motions, "gathering the sheet") as step:
+        shown = list(gather(manifest, workers, step))
+    page, picture = (manifest.directory / f"sheet.{ending}" for ending in ("html", "png"))
+    write_page(manifest, shown, page)
+    write_strips(manifest, shown, picture)
+    print(f"sheet: {page} and {picture}", file=sys.stderr)
