@@ -44,6 +44,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="write a page in which all clips play, and a picture of strips, beside the manifest",
     )
     parser.add_argument(
+        "--web", action="store_true", help="write H.264 for browsers beside each master (.mp4)"
+    )
+    parser.add_argument(
+        "--glb", action="store_true", help="write each clip's moving figure as glTF 2.0 (.glb)"
+    )
+    parser.add_argument(
         "--prune", action="store_true", help="remove clips that the set no longer names"
     )
     parser.add_argument("--json", action="store_true", help="print one JSON document")
@@ -54,6 +60,7 @@ def run(args: argparse.Namespace) -> int:
     """Render what is missing and say what the set holds."""
     from stimuli.motion import Library, motion_directories
     from stimuli.sets import build, inventory, prune
+    from stimuli.sets.looks import write_figures, write_web
     from study.protocol.rendered import SETS
     from study.protocol.sets import references_of_manifest, set_spec
     from study.session.duration import session_duration
@@ -76,6 +83,12 @@ def run(args: argparse.Namespace) -> int:
     pruned = prune(manifest) if args.prune else 0
     if args.strips:
         _write_strips(manifest)
+    if args.web:
+        with progress(None, "H.264") as step:
+            write_web(manifest, args.workers, step)
+    if args.glb:
+        with progress(None, "glTF") as step:
+            write_figures(manifest, spec, library, args.workers, step)
     if args.sheet:
         _write_sheet(manifest, args.workers)
     duration = session_duration(protocol, references_of_manifest(protocol, manifest))
