@@ -42,6 +42,7 @@ from stimuli.sets.sources import changed_motions
 from stimuli.sets.spec import SetSpec
 from stimuli.sets.workers import Crew, draw_all
 
+FILE_KEYS = ("frames", "frames_sha256", "file_sha256", "bytes", "codec", "drivers")
 ClipProgress = Callable[[int, int], None]
 
 
@@ -264,7 +265,5 @@ def _clip(clip: PlannedClip, out: Path) -> dict[str, Any]:
         "hash": clip.hash,
         "file": str(master_path(Path(), clip.hash, held["codec"]).as_posix()),
         **clip.document,
-        **{
-            key: held[key] for key in ("frames", "frames_sha256", "file_sha256", "codec", "drivers")
-        },
+        **{key: held[key] for key in FILE_KEYS},
     }

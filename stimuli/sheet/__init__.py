@@ -4,8 +4,8 @@
 writes them as one HTML file that needs no network, `strips` as one PNG.
 """
 
-from stimuli.sheet.gathered import Shown, gather
+from stimuli.sheet.gathered import MotionSheet, gather
 from stimuli.sheet.page import write_page
 from stimuli.sheet.strips import write_strips
 
-__all__ = ["Shown", "gather", "write_page", "write_strips"]
+__all__ = ["MotionSheet", "gather", "write_page", "write_strips"]

@@ -15,7 +15,7 @@ from stimuli.sets.masters import read_clip
 
 WIDEST = 640  # pixels of a picture in the page; a master may have more
 QUALITY = 88  # of JPEG, full chroma: what is looked at closely is the motion
-COLUMNS = 9  # pictures of a strip
+_COLUMNS = 9  # pictures of a strip
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class Strip:
 
 
 @dataclass(frozen=True)
-class Shown:
+class MotionSheet:
     """A motion's clips: `images` are JPEG files, `frames` name for each clip one a frame."""
 
     motion: str
@@ -40,7 +40,7 @@ class Shown:
 
 def gather(
     manifest: Manifest, workers: int | None = None, progress: Callable[[int], None] | None = None
-) -> Iterator[Shown]:
+) -> Iterator[MotionSheet]:
     """Each motion of a set, in the manifest's order, read in processes of their own.
 
     InputError where a clip's file is not what the set was built with.
@@ -72,7 +72,7 @@ def blend(entry: ClipEntry) -> tuple[int, int]:
     return max(int(first), 0), min(int(last), entry.frames - 1)
 
 
-def _shown(clips: tuple[ClipEntry, ...]) -> Shown:
+def _shown(clips: tuple[ClipEntry, ...]) -> MotionSheet:
     known: dict[bytes, int] = {}
     images: list[bytes] = []
     frames, cut = [], []
@@ -94,7 +94,7 @@ def _shown(clips: tuple[ClipEntry, ...]) -> Shown:
     strips = tuple(
         Strip(numbers, np.ascontiguousarray(each[:, boxed[0], boxed[1]])) for each in cut
     )
-    return Shown(clips[0].motion, clips, tuple(frames), tuple(images), strips, small)
+    return MotionSheet(clips[0].motion, clips, tuple(frames), tuple(images), strips, small)
 
 
 def _numbers(clips: tuple[ClipEntry, ...]) -> tuple[int, ...]:
@@ -102,7 +102,7 @@ def _numbers(clips: tuple[ClipEntry, ...]) -> tuple[int, ...]:
     first, last = (bound(blend(each)[k] for each in clips) for k, bound in ((0, min), (1, max)))
     around = max(6, (last - first) // 2)
     low, high = max(first - around, 0), min(last + around, clips[0].frames - 1)
-    return tuple(dict.fromkeys(int(n) for n in np.rint(np.linspace(low, high, COLUMNS))))
+    return tuple(dict.fromkeys(int(n) for n in np.rint(np.linspace(low, high, _COLUMNS))))
 
 
 def _fitting(width: int, height: int) -> tuple[int, int]:

@@ -11,9 +11,9 @@ from typing import Any
 
 from stimuli.files import write_atomic
 from stimuli.sets.manifest import ClipEntry, Manifest
-from stimuli.sheet.gathered import Shown, blend, label
+from stimuli.sheet.gathered import MotionSheet, blend, label
 
-MEASURES = {  # of the manifest: what it is called in the page, its unit, by what it is multiplied
+TOLD_MEASURES = {  # what each is called in the page, its unit, by what it is multiplied
     "velocity_jump": ("velocity jump", "cm/frame", 100.0),
     "acceleration_jump": ("acceleration jump", "cm/frame²", 100.0),
     "foot_slide": ("foot slide", "cm/frame", 100.0),
@@ -28,7 +28,7 @@ MEASURES = {  # of the manifest: what it is called in the page, its unit, by wha
 GROUPS = (("", 4), ("from the reference, in space", 3), ("from the reference, seen", 3))
 
 
-def write_page(manifest: Manifest, shown: Sequence[Shown], path: Path) -> None:
+def write_page(manifest: Manifest, shown: Sequence[MotionSheet], path: Path) -> None:
     """Write the page, whole or not at all."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
@@ -38,7 +38,7 @@ def write_page(manifest: Manifest, shown: Sequence[Shown], path: Path) -> None:
     page = environment.get_template("sheet.html").render(
         manifest=manifest,
         motions=[_motion(each, manifest.pairings[each.motion]) for each in shown],
-        measures=[(name, unit) for name, unit, _ in MEASURES.values()],
+        measures=[(name, unit) for name, unit, _ in TOLD_MEASURES.values()],
         groups=GROUPS,
         drivers=sorted({d for e in manifest.clips for d in e.document.get("drivers", ())}),
         data={
@@ -49,7 +49,7 @@ def write_page(manifest: Manifest, shown: Sequence[Shown], path: Path) -> None:
     write_atomic(path, page)
 
 
-def _motion(shown: Shown, pairing: Mapping[str, Any]) -> dict[str, Any]:
+def _motion(shown: MotionSheet, pairing: Mapping[str, Any]) -> dict[str, Any]:
     """What the page says of a motion and of each of its clips."""
     return {
         "name": shown.motion,
@@ -63,7 +63,7 @@ def _motion(shown: Shown, pairing: Mapping[str, Any]) -> dict[str, Any]:
                 "label": label(entry, pairing),
                 "hash": entry.hash,
                 "blend": blend(entry),
-                "measures": [_told(entry, key) for key in MEASURES],
+                "measures": [_told(entry, key) for key in TOLD_MEASURES],
                 "warnings": entry.document.get("warnings", []),
             }
             for entry in shown.clips
@@ -75,11 +75,11 @@ def _told(entry: ClipEntry, key: str) -> str:
     value = entry.document.get("measures", {}).get(key)
     if value is None:
         return "–"
-    scaled = value * MEASURES[key][2]
+    scaled = value * TOLD_MEASURES[key][2]
     return "0" if scaled == 0 else f"{scaled:.3g}"
 
 
-def _played(shown: Shown) -> dict[str, Any]:
+def _played(shown: MotionSheet) -> dict[str, Any]:
     """What the page's player needs of a motion."""
     return {
         "frames": [list(frames) for frames in shown.frames],

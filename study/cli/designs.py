@@ -37,6 +37,7 @@ class Options:
     effects: tuple[float, ...] = ()
     stimuli: Path | None = None
     workers: int | None = None
+    scheduler: str | None = None
 
 
 def one_study(job: SimulatedStudy) -> dict[str, Any]:
@@ -276,8 +277,9 @@ def _preference_powers(
         for place, row in enumerate(rows)
     ]  # fmt: skip
     most = len(jobs) if sets >= WORTH_PROCESSES else 1
+    powers = mapped(preference_power, jobs, options.workers, most, options.scheduler)
     with progress(len(jobs), "simulating power") as step:
-        for done, power in enumerate(mapped(preference_power, jobs, options.workers, most), 1):
+        for done, power in enumerate(powers, 1):
             rows[done - 1]["power"] = power
             step(done)
     return rows
