@@ -3,11 +3,13 @@
 Two drivers shade the edge of a figure otherwise, so that a group of clips is drawn by one.
 """
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from stimuli.errors import InputError
 
+_WIDTH = r", \d+ bits"
 _SOFTWARE = b"EGL_MESA_device_software"
 DEVICES: Mapping[str, Callable[[bool], bool]] = {  # which devices are taken, by being software
     "auto": lambda software: True,
@@ -66,11 +68,14 @@ def listed() -> str:
 
 
 def driver() -> str:
-    """The renderer of the current context and its version, as the driver says them."""
+    """The renderer of the current context and its version, as the driver says them.
+
+    Without the width of vectors that Mesa found on this processor, with which it draws the same.
+    """
     from OpenGL import GL
 
     name, version = (GL.glGetString(key).decode() for key in (GL.GL_RENDERER, GL.GL_VERSION))
-    return f"{name} / OpenGL {version}"
+    return f"{re.sub(_WIDTH, '', name)} / OpenGL {version}"
 
 
 def _chosen(wanted: str, software: Sequence[bool]) -> list[int]:

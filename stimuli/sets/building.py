@@ -17,6 +17,7 @@ from typing import Any
 from stimuli.errors import InputError, InputWarning, UnwritableError
 from stimuli.files import refusals_name, write_atomic
 from stimuli.motion.library import Library
+from stimuli.render.device import check_device
 from stimuli.render.video import ARCHIVE, FAST
 from stimuli.sets.frames import DrawJob, DrawnFrame, FrameKey, jobs_of
 from stimuli.sets.group import PlannedClip, PlannedGroup, plan_groups
@@ -74,6 +75,7 @@ def build(
     too. `progress(done, total)` is told of each clip. InputError for all input that cannot be
     used, before anything is rendered, and where another build of the same set is going on.
     """
+    check_device(device)
     groups = plan_groups(spec, library)
     codec = ARCHIVE if archive else FAST
     crew = Crew(workers, scheduler, device)

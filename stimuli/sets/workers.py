@@ -52,10 +52,11 @@ def draw_all(
             if not waiting:
                 return 0
             job = waiting.pop()
-            if held.get(pipe) != job.scenery:
-                held[pipe] = job.scenery
-                pipe.send(sceneries[job.scenery])
-            pipe.send(job)
+            with _living():
+                if held.get(pipe) != job.scenery:
+                    held[pipe] = job.scenery
+                    pipe.send(sceneries[job.scenery])
+                pipe.send(job)
             return 1
 
         busy = sum(next_job(pipe) for pipe in team)
@@ -82,19 +83,26 @@ def _on_cluster(
 
 
 def _received(pipe: Connection) -> tuple[str, list[DrawnFrame]]:
-    try:
+    with _living():
         result = pipe.recv()
-    except EOFError:
-        raise MachineError(
-            "rendering: a process died, as when memory runs out; the clips rendered so far are "
-            "kept.\nRun it again, with --workers 1 where memory is short; `segue doctor` says more"
-        ) from None
     if isinstance(result, MachineError | InputError):
         raise result
     if isinstance(result, BaseException):
         raise RuntimeError(f"rendering failed: {result}") from result
     driver, frames = result
     return driver, frames
+
+
+@contextmanager
+def _living() -> Iterator[None]:
+    """MachineError where the process at the other end of a pipe has died."""
+    try:
+        yield
+    except (EOFError, OSError):
+        raise MachineError(
+            "rendering: a process died, as when memory runs out; the clips rendered so far are "
+            "kept.\nRun it again, with --workers 1 where memory is short; `segue doctor` says more"
+        ) from None
 
 
 @contextmanager
@@ -114,7 +122,8 @@ def _started(count: int, codec: str, device: str) -> Iterator[tuple[Connection, 
     try:
         yield tuple(pipes)
         for pipe in pipes:
-            pipe.send(None)
+            with _living():
+                pipe.send(None)
         for process in processes:
             process.join()
     finally:
