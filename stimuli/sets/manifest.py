@@ -1,4 +1,7 @@
-"""What a session knows of a stimulus set: one JSON document beside the clips."""
+"""What a session knows of a stimulus set: one JSON document beside the clips.
+
+`MANIFEST.md`, in this folder, says what every key means.
+"""
 
 import json
 from collections.abc import Mapping
@@ -10,7 +13,7 @@ from stimuli.errors import InputError
 from stimuli.sets.naming import digest
 
 FORMAT = 2
-READ = (1, FORMAT)  # MANIFEST.md tells what each holds
+READ = (1, FORMAT)
 MANIFEST = "manifest.json"
 
 

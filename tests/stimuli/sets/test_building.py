@@ -3,6 +3,7 @@
 import hashlib
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -232,3 +233,16 @@ def test_the_manifest_says_what_each_clip_is_made_of(
     assert shifts[6] == 0
     assert shifts[4] > 0
     assert all(c["measures"]["geodesic_cost"] > 0 for c in document["clips"])
+
+
+def test_every_key_of_a_manifest_is_documented(
+    spec: SetSpec, library: Library, module_out: Path
+) -> None:
+    text = (ROOT / "stimuli/sets/MANIFEST.md").read_text(encoding="utf-8")
+    told = set(re.findall(r"`(\w+)`", text))
+    document = json.loads((module_out / "manifest.json").read_text())
+    pairing, clip = document["pairings"]["walk"], document["clips"][0]
+    parts = (document, pairing, pairing["from"], pairing["camera"], pairing["body"], clip)
+    keys = {key for part in (*parts, clip["measures"]) for key in part}
+    assert keys - told == set()
+    assert f"Format\n{document['format']};" in text

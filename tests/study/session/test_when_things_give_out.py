@@ -272,6 +272,21 @@ def test_a_clip_that_was_cut_short_is_named_before_it_is_shown(
     assert "segue render" in told
 
 
+def test_another_clip_of_the_same_length_is_named_before_it_is_shown(
+    place: Path, screen: str, tmp_path: Path
+) -> None:
+    (tmp_path / "p.toml").write_text(PROTOCOL)
+    shutil.copytree(place / "stimulus-sets", tmp_path / "stimulus-sets")
+    for clip in (tmp_path / "stimulus-sets/frail/clips").glob("*.mov"):
+        content = bytearray(clip.read_bytes())
+        content[len(content) // 2] ^= 1
+        clip.write_bytes(content)
+    told = said(process := run(tmp_path, "swapped"))
+    assert process.returncode == 2
+    assert ".mov: expected the clip that the set was built with, found another file" in told
+    assert "segue render" in told
+
+
 @pytest.mark.parametrize(
     ("display", "word"), [(":4711", "DISPLAY=:4711"), ("", "DISPLAY is not set")]
 )
