@@ -60,6 +60,7 @@ def simulated_trials(
     """The counted trials of all people of one study, and each session's minutes and trials."""
     import pandas as pd
 
+    from analysis.rows import FLAGS, NUMBERS
     from study.session.duration import minutes_of
     from study.session.simulation import plan_of, rows
 
@@ -71,7 +72,7 @@ def simulated_trials(
         counts.append(float(len(table)))
         tables.append(table[(table["phase"] == "main") & ~table["void"].astype(bool)])
     whole = pd.concat(tables, ignore_index=True)
-    numbers = {"correct", "difference", "rating"} & set(whole)
+    numbers = (NUMBERS | FLAGS) & {name for name in whole if whole[name].dtype == object}
     return whole.astype(dict.fromkeys(numbers, float)), minutes, counts
 
 

@@ -30,12 +30,25 @@ class TomlTable(BaseModel):
 
 
 class MotionPair(TomlTable):
-    """A transition of the study: from the motion in one role to the motion in another."""
+    """A transition of the study: from the motion in one role to the motion in another.
+
+    Where the clips that are compared differ in more than their method, each is a pair of its own:
+    `of` names the motion that they share, `condition` what each is called. A pair with the text of
+    an `example` is shown with it before the session begins, and in no trial.
+    """
 
     name: Name
     from_: Name = Field(alias="from")
     to: Name
     category: str = ""
+    of: Name | None = None
+    condition: Name | None = None
+    example: str = ""
+
+    @property
+    def group(self) -> str:
+        """The motion that the pair is of."""
+        return self.of or self.name
 
 
 class Stimuli(TomlTable):
@@ -52,6 +65,17 @@ class Stimuli(TomlTable):
     seconds: Annotated[float, Field(ge=0.5, le=60)] = 6.0
     smooth: bool = False
     foot_lock: bool = True
+
+    def pairs(self, rehearsal: bool = False) -> tuple[MotionPair, ...]:
+        """The pairs that trials show; in a rehearsal those of the first motion."""
+        asked = tuple(pair for pair in self.motions if not pair.example)
+        first = asked[0].group if asked else None
+        return tuple(pair for pair in asked if not rehearsal or pair.group == first)
+
+    def shown(self, rehearsal: bool = False) -> tuple[MotionPair, ...]:
+        """The pairs whose clips a session shows: those of trials, then the examples."""
+        examples = () if rehearsal else tuple(pair for pair in self.motions if pair.example)
+        return (*self.pairs(rehearsal), *examples)
 
 
 class AppearanceTable(TomlTable):
@@ -70,13 +94,19 @@ class AppearanceTable(TomlTable):
 
 
 class Presentation(TomlTable):
-    """How a trial is put on the screen."""
+    """How a trial is put on the screen, and when it was shown too badly to count.
+
+    `void` is a late frame in what a blend mixes, or more than `late_frames_allowed` in all.
+    `slow_screen_allowed` lets a screen through that has fewer refreshes than the clips frames.
+    """
 
     layout: Literal["side-by-side", "one-after-other"] | None = None
     gap: Annotated[float, Field(ge=0, le=10)] = 0.5
     answer_seconds: Positive | None = None
     clip_height: Annotated[float, Field(gt=0, le=1)] = 0.6
-    late_frames_allowed: Annotated[int, Field(ge=0)] = 3
+    void: Literal["late-in-blend", "late-frames", "never"] = "late-in-blend"
+    late_frames_allowed: Annotated[int, Field(ge=0)] | None = None
+    slow_screen_allowed: bool = False
     feedback_in_practice: bool = True
 
 

@@ -56,7 +56,7 @@ def set_spec(
             to_frame=roles[pair.to].frame,
             category=pair.category,
         )
-        for pair in stimuli.motions[: 1 if rehearsal else None]
+        for pair in stimuli.shown(rehearsal)
     )
     k = stimuli.reference if isinstance(stimuli.reference, int) else 0
     return SetSpec(

@@ -5,6 +5,7 @@ import io
 import json
 import re
 import warnings
+from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -144,6 +145,19 @@ def finished_runs(data: Path, participant: str, label: str, rehearsal: bool) -> 
             continue  # a run that cannot be read is not one known to be finished
         if sidecar.get("Finished") and bool(sidecar.get("Rehearsal")) == rehearsal:
             found.append(number)
+    return found
+
+
+def finished_groups(data: Path, label: str) -> Counter[int]:
+    """How many people of each group have finished a task, rehearsals left out."""
+    found: Counter[int] = Counter()
+    for path in data.glob(f"sub-*/beh/sub-*_task-{label}_run-*_beh.json"):
+        try:
+            sidecar = json.loads(path.read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            continue
+        if sidecar.get("Finished") and not sidecar.get("Rehearsal"):
+            found[int(sidecar.get("Group", 0))] += 1
     return found
 
 

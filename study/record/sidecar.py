@@ -32,6 +32,7 @@ def sidecar_of(
         "StimulusSetHash": stimulus_set_hash,
         "ReferenceLengths": {m.name: m.reference for m in plan.motions if m.reference},
         "Seed": plan.seed,
+        "Group": plan.group,
         "Observer": observer,
         "Pace": pace,
         "Rehearsal": plan.rehearsal,

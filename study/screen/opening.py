@@ -1,12 +1,15 @@
 """From a session's request to its window: which clips, which keys, what background."""
 
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from study.screen.clips import ClipCache, Frames
+from stimuli.errors import InputWarning
+from study.screen.clips import ClipCache
 from study.screen.lost import tell_when_lost
+from study.screen.refresh import notes_on
 from study.screen.window import Look, WindowStage
-from study.session.lab import Request, clips_of, entry
+from study.session.lab import Request, clips_of, entry, shown_frames
 from study.trials.plan import Plan
 from study.trials.tasks import Task
 
@@ -21,14 +24,12 @@ def open_window(
     from stimuli.sets.video import read_clip
 
     file = plan.protocol.file
-    seconds = min(file.rehearsal.seconds, manifest.seconds) if plan.rehearsal else manifest.seconds
-    count = round(seconds * manifest.fps)
-    clips = ClipCache(lambda key: middle_of(read_clip(entry(manifest, key)), count))
+    start, count = shown_frames(plan, manifest)
+    clips = ClipCache(lambda key: read_clip(entry(manifest, key))[start : start + count])
     first = clips_of(plan)[0]
     corner = clips.frames([first])[first][0, 0, 0]
     look = Look(
         keys=file.keys,
-        responses=task.responses,
         gap=file.presentation.gap,
         clip_height=file.presentation.clip_height,
         fps=float(manifest.fps),
@@ -37,11 +38,12 @@ def open_window(
         simulated=request.observer == "simulated",
     )
     stage = WindowStage(look, clips, flip_log, request.screen, request.windowed)
+    try:
+        allowed = file.presentation.slow_screen_allowed
+        for note in notes_on(stage.refresh, look.fps, allowed, look.pace):
+            warnings.warn(note, InputWarning, stacklevel=2)
+    except InputError:
+        stage.close()
+        raise
     tell_when_lost(request.lost)
     return stage
-
-
-def middle_of(frames: Frames, count: int) -> Frames:
-    """`count` of a clip's frames (F, H, W, 3) around its middle, where the transition is."""
-    first = max((len(frames) - count) // 2, 0)
-    return frames[first : first + count]

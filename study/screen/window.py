@@ -7,16 +7,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from stimuli.errors import InputError, MachineError, UnwritableError
 from study.protocol.schema import Keys
 from study.screen.clips import ClipCache, Frames
 from study.screen.home import writable_home
 from study.screen.keyboards import open_keyboard
 from study.screen.panel import Panel
-from study.screen.schedule import NOMINAL_REFRESH, Due, last_refresh, late_frames, schedule
+from study.screen.refresh import Refresh, refresh_of
+from study.screen.scales import Clicks, Row, draw_scale
+from study.screen.schedule import Due, frames_late, last_refresh, schedule
 from study.session.stage import Answer, Presented, SessionLeft
+from study.trials.prompt import Prompt
 from study.trials.tasks import Screens
 
 _INK = (-0.85, -0.85, -0.85)
@@ -30,7 +31,6 @@ class Look:
     """How a window shows trials: keys, layout, gap (s), clip height as a share of the window."""
 
     keys: Keys
-    responses: tuple[str, str]
     gap: float
     clip_height: float
     fps: float
@@ -54,12 +54,18 @@ class WindowStage:
         with writable_home():
             self._window = _open_window(screen, windowed, look.background)
             self._keyboard = open_keyboard(self._window)
-        self._refresh = _refresh_rate(self._window)
-        self._paced = self._refresh is None
-        self._rate = self._refresh or NOMINAL_REFRESH
+        self._refresh = refresh_of(self._window)
+        self._paced = not self._refresh.vsync
+        self._rate = self._refresh.rate
         self._panels: dict[tuple[int, int, tuple[int, ...]], Panel] = {}
+        self._shown = False  # whether clips were, since the last question
         self._zero: float | None = None
         self._zero_wall: float | None = None
+
+    @property
+    def refresh(self) -> Refresh:
+        """The rates of the screen."""
+        return self._refresh
 
     def first_flip(self) -> float | None:
         """Unix time of this stage's first flip, None before it."""
@@ -70,8 +76,7 @@ class WindowStage:
         return {
             "kind": "psychopy",
             "size": [int(v) for v in self._window.size],
-            "refresh_rate": None if self._refresh is None else round(self._refresh, 3),
-            "paced_at": round(self._rate, 3),
+            **self._refresh.facts(),
             "fullscreen": bool(self._window._isFullScr),
             "keyboard": self._keyboard.timing()["keyboard"],
         }
@@ -102,28 +107,37 @@ class WindowStage:
         """Show each screen's clips in step; all are decoded before the first frame."""
         clips = self._clips.frames(key for keys in screens for key in keys)
         decoded = [[clips[key] for key in keys] for keys in screens]
-        onset, late = 0.0, 0
+        onset = 0.0 if self._zero is None else time.perf_counter() - self._zero
+        late: list[tuple[int, ...]] = []
         for n, frames in enumerate(decoded):
             self._text(str(n + 1) if len(decoded) > 1 else "+")
             self._wait(self._look.gap / self._look.pace)
             self._leave_on_quit()
-            start, count = self._play(frames, f"{label} screen {n + 1}")
+            self._shown = True
+            start, slow = self._play(frames, f"{label} screen {n + 1}")
             onset = start if n == 0 else onset
-            late += count
-        return Presented(onset, late)
+            late.append(slow)
+        return Presented(onset, None if self._look.pace > 1 else tuple(late))
 
-    def ask(self, question: str, seconds: float | None, planned: Answer | None) -> Answer:
-        """Put the question; keys count from the flip of the last frame on."""
-        self._text(question)
+    def ask(self, question: Prompt, seconds: float | None, planned: Answer | None) -> Answer:
+        """Put the question; keys count from the flip of the last frame on, else from its own."""
+        row = None
+        if question.scale is not None:
+            row = draw_scale(self._window, question.scale, tuple(question.answers))
+        if not self._shown:
+            self._window.callOnFlip(self._keyboard.listen)
+        self._text(question.text, up=0.15 if row else 0.0)
+        self._shown = False
         if planned is not None and planned.response_time is not None:
             taken = planned.response_time
             in_time = seconds is None or taken <= seconds
             self._wait((taken if in_time else seconds or 0.0) / self._look.pace)
             self._leave_on_quit()
             return planned if in_time else Answer(None, None)
-        keys = self._look.keys
-        first, second = self._look.responses
-        return self._await_key({keys.first: first, keys.second: second}, seconds)
+        if row is None:
+            return self._await_key(question.answers, seconds)
+        with Clicks(self._window) as clicks:
+            return self._await_key(question.answers, seconds, clicks, row)
 
     def picture(self) -> Any:
         """What the back buffer holds, as a PIL image; call it before a flip."""
@@ -136,8 +150,8 @@ class WindowStage:
         self._keyboard.close()
         self._window.close()
 
-    def _play(self, clips: Sequence[Frames], label: str) -> tuple[float, int]:
-        """Show clips of equal length together; returns the onset and the late frames."""
+    def _play(self, clips: Sequence[Frames], label: str) -> tuple[float, tuple[int, ...]]:
+        """Show clips of equal length together; returns the onset and which frames came late."""
         count = min(len(frames) for frames in clips)
         look, size = self._look, tuple(int(v) for v in self._window.size)
         dues = schedule(count, look.fps, self._rate, look.pace)
@@ -154,7 +168,7 @@ class WindowStage:
             flips.append(self._flip())
         end = last_refresh(count, look.fps, self._rate, look.pace)
         self._sleep_until(flips[0] + end / self._rate)
-        late = late_frames(dues, flips, self._rate)
+        late = tuple(frames_late(dues, flips, self._rate))
         self._log(label, dues, flips)
         assert self._zero is not None
         return flips[0] - self._zero, late
@@ -173,7 +187,7 @@ class WindowStage:
                 self._panels[count, n, shape] = Panel(centre, (wide, tall))
         return [self._panels[count, n, shape] for n in range(count)]
 
-    def _text(self, text: str) -> None:
+    def _text(self, text: str, up: float = 0.0) -> None:
         from psychopy import visual
 
         height = self._window.size[1] / 30
@@ -185,6 +199,7 @@ class WindowStage:
             color=_INK,
             units="pix",
             alignText="center",
+            pos=(0, up * self._window.size[1]),
         ).draw()
         self._flip()
 
@@ -214,8 +229,17 @@ class WindowStage:
         if self._keyboard.pressed([self._look.keys.quit], clear=False):
             raise SessionLeft
 
-    def _await_key(self, meanings: Mapping[str, str], seconds: float | None) -> Answer:
-        """The first of the keys pressed since keys count, within seconds of the last frame."""
+    def _await_key(
+        self,
+        meanings: Mapping[str, str],
+        seconds: float | None,
+        clicks: Clicks | None = None,
+        row: Row | None = None,
+    ) -> Answer:
+        """The first of the keys pressed since keys count, within seconds of the last frame.
+
+        A click on a point of `row` answers too, timed when it is seen.
+        """
         wanted = [*meanings, self._look.keys.quit]
         while seconds is None or self._keyboard.since() < seconds:
             for key in self._keyboard.pressed(wanted):
@@ -223,6 +247,9 @@ class WindowStage:
                     raise SessionLeft
                 if seconds is None or key.seconds <= seconds:
                     return Answer(meanings[key.name], key.seconds)
+            for place in clicks.taken() if clicks and row else ():
+                if (point := row.at(*place)) is not None:  # type: ignore[union-attr]
+                    return Answer(point, self._keyboard.since())
             time.sleep(0.002)
             self._window.winHandle.dispatch_events()
         return Answer(None, None)
@@ -290,17 +317,3 @@ def check_screen(screen: int) -> None:
             f"--screen {screen}: expected a screen that is there, found {there};\n"
             "leave --screen out, or connect the other and let the system extend the desktop to it"
         )
-
-
-def _refresh_rate(window: Any) -> float | None:
-    """The screen's rate (Hz) as measured, where the system confirms it; None without one.
-
-    A virtual screen shows every flip at once; the session then paces itself.
-    """
-    mode = window.winHandle.screen.get_mode()
-    stated = float(getattr(mode, "rate", 0) or 0)
-    if stated <= 0:
-        return None
-    measured = window.getActualFrameRate(infoMsg="")
-    agrees = measured is not None and np.isclose(measured, stated, rtol=0.03)
-    return float(measured) if agrees else stated

@@ -17,6 +17,7 @@ from study.record.dataset import (
     check_twin,
     enrol,
     enrolled,
+    finished_groups,
     keep_stimulus,
     prepare,
     record_path,
@@ -26,10 +27,10 @@ from study.record.dataset import (
 )
 from study.record.sidecar import sidecar_of
 from study.record.table import COMMON, MISSING, Record, create
-from study.session.conduct import run
+from study.session.conduct import ShownClip, run
 from study.session.stage import Stage
 from study.trials.observers import simulated
-from study.trials.plan import Plan, make_plan
+from study.trials.plan import Plan, examples_of, make_plan
 from study.trials.tasks import TASKS, Task
 from study.trials.trial import ClipKey
 
@@ -121,7 +122,9 @@ def _locked(
     elif seed is None:
         seed = secrets.randbits(32)
     check_rendered(protocol, manifest, request.rehearsal)
-    plan = make_plan(protocol, references_of_manifest(protocol, manifest), seed, request.rehearsal)
+    group = int(earlier.sidecar.get("Group", 0)) if earlier else _group(request, protocol, seed)
+    lengths = references_of_manifest(protocol, manifest)
+    plan = make_plan(protocol, lengths, seed, request.rehearsal, group)
     _check_clips(plan, manifest)
     _check_sources(plan, manifest)
     observer = simulated(plan) if request.observer == "simulated" else None
@@ -133,15 +136,27 @@ def _locked(
             resumed = [*record.sidecar.get("ResumedOn", []), stage.display()]
             record.save_sidecar(ResumedOn=resumed)
 
-        def shown(key: ClipKey) -> str:
+        first, _ = shown_frames(plan, manifest)
+
+        def shown(key: ClipKey) -> ShownClip:
             clip = entry(manifest, key)
             keep_stimulus(request.data, clip.hash, clip.document)
-            return str(clip.hash)
+            mixed = clip.document.get("mixed")
+            return ShownClip(clip.hash, mixed and (mixed[0] - first, mixed[1] - first))
 
         run(plan, stage, record, observer, shown)
     finally:
         stage.close()
     return record
+
+
+def _group(request: Request, protocol: Protocol, seed: int) -> int:
+    """The group that the fewest have finished so far, of several such one by the seed."""
+    groups = TASKS[protocol.file.task].groups(protocol.file)
+    done = finished_groups(request.data, protocol.label)
+    fewest = min(done[group] for group in range(groups))
+    open_ones = [group for group in range(groups) if done[group] == fewest]
+    return open_ones[seed % len(open_ones)]
 
 
 def _new_path(request: Request, protocol: Protocol) -> Path:
@@ -225,7 +240,7 @@ def _check_sources(plan: Plan, manifest: "Manifest") -> None:
 
 def clips_of(plan: Plan) -> list[ClipKey]:
     """All clips that a session of this plan may show."""
-    keys = []
+    keys = [key for _, key in examples_of(plan)]
     for motion in plan.motions:
         keys += [ClipKey(motion.name, method=method) for method in plan.protocol.file.methods]
         if motion.reference is not None:
@@ -233,6 +248,18 @@ def clips_of(plan: Plan) -> list[ClipKey]:
             lengths = [k, *(k - d for d in motion.shorter), *(k + d for d in motion.longer)]
             keys += [ClipKey(motion.name, length=length) for length in lengths]
     return keys
+
+
+def shown_frames(plan: Plan, manifest: "Manifest") -> tuple[int, int]:
+    """The first of the frames of each clip that are shown, and how many these are.
+
+    A rehearsal shows the middle, where the transition is.
+    """
+    seconds = manifest.seconds
+    if plan.rehearsal:
+        seconds = min(plan.protocol.file.rehearsal.seconds, seconds)
+    count = round(seconds * manifest.fps)
+    return max((manifest.frames - count) // 2, 0), count
 
 
 def entry(manifest: "Manifest", key: ClipKey) -> Any:

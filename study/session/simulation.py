@@ -13,26 +13,33 @@ from study.protocol.protocol import Protocol
 from study.record.dataset import enrol, prepare, record_path, runs
 from study.record.sidecar import sidecar_of
 from study.record.table import COMMON, create
-from study.session.conduct import rows_of_plan, run
+from study.session.conduct import ShownClip, rows_of_plan, run
 from study.session.stage import Nowhere
 from study.trials.observers import Simulated, simulated
 from study.trials.plan import Plan, make_plan, session_seed
 from study.trials.reading import protocol_of
 from study.trials.tasks import TASKS
+from study.trials.trial import ClipKey
 
 WORTH_A_PROCESS = 20
 LAST_NUMBER = 999_999
 
 
+def unrendered(key: ClipKey) -> ShownClip:
+    """A clip that is nowhere."""
+    return ShownClip()
+
+
 def plan_of(protocol: Protocol, references: dict[str, int], seed: int, participant: int) -> Plan:
     """The plan of the n-th simulated participant."""
-    return make_plan(protocol, references, session_seed(seed, participant))
+    group = participant % TASKS[protocol.file.task].groups(protocol.file)
+    return make_plan(protocol, references, session_seed(seed, participant), group=group)
 
 
 def rows(plan: Plan, observer: Simulated | None = None) -> Iterator[dict[str, Any]]:
     """The rows of one simulated session, in memory; by default of the protocol's observer."""
     observer = observer or simulated(plan)
-    for _, row in rows_of_plan(plan, _nowhere(plan), observer, lambda key: None):
+    for _, row in rows_of_plan(plan, _nowhere(plan), observer, unrendered):
         yield row
 
 
@@ -56,9 +63,7 @@ def simulate(
     """
     numbers = _free_numbers(data, protocol.label, participants)
     prepare(data)
-    jobs = [
-        (protocol.document, references, session_seed(seed, n - 1), data, _name(n)) for n in numbers
-    ]
+    jobs = [(protocol.document, references, seed, data, n) for n in numbers]
     paths = []
     most = 1 + participants // WORTH_A_PROCESS
     done: Iterator[Path]
@@ -95,27 +100,27 @@ def _free_numbers(data: Path, label: str, count: int) -> list[int]:
     return numbers
 
 
-def _one(job: tuple[Any, dict[str, int], int, Path, str]) -> Path:
+def _one(job: tuple[Any, dict[str, int], int, Path, int]) -> Path:
     """One session into its record; runs in a worker process."""
 
-    document, references, seed, data, name = job
-    protocol = protocol_of(document)
-    plan = make_plan(protocol, references, seed)
+    document, references, seed, data, number = job
+    protocol, name = protocol_of(document), _name(number)
+    plan = plan_of(protocol, references, seed, number - 1)
     stage = _nowhere(plan)
     task = TASKS[protocol.file.task]
     path = record_path(data, name, protocol.label, 1)
     sidecar = sidecar_of(plan, task, observer="simulated", display=stage.display())
     record = create(path, (*COMMON, *task.columns), sidecar)
-    run(plan, stage, record, simulated(plan), lambda key: None)
+    run(plan, stage, record, simulated(plan), unrendered)
     return path
 
 
-def _elsewhere(job: tuple[Any, dict[str, int], int, Path, str]) -> list[tuple[str, bytes]]:
+def _elsewhere(job: tuple[Any, dict[str, int], int, Path, int]) -> list[tuple[str, bytes]]:
     """The files of one session, the record last, from a machine without this data set."""
-    document, references, seed, _, name = job
+    document, references, seed, _, number = job
     with TemporaryDirectory(prefix="segue-") as folder:
         there = Path(folder)
-        record = _one((document, references, seed, there, name))
+        record = _one((document, references, seed, there, number))
         files = [path for path in there.rglob("*") if path.is_file() and path != record]
         return [(p.relative_to(there).as_posix(), p.read_bytes()) for p in (*files, record)]
 

@@ -7,14 +7,16 @@ the keyboard, or a simulated observer whose answer is planned before the questio
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
+from study.trials.prompt import Prompt
 from study.trials.tasks import Screens
 
 
 class Presented(NamedTuple):
-    """When the trial's first frame was flipped (seconds, stage clock), and frames shown late."""
+    """When the trial's first frame was flipped (seconds, stage clock), and the clip frames that
+    came late on each screen; None where time runs faster and frames are left out on purpose."""
 
     onset: float
-    late_frames: int
+    late: tuple[tuple[int, ...], ...] | None
 
 
 class Answer(NamedTuple):
@@ -42,9 +44,12 @@ class Stage(Protocol):
         """Show a text for a moment."""
 
     def present(self, screens: Screens, label: str) -> Presented:
-        """Show the clips of each screen together, the screens one after the other."""
+        """Show the clips of each screen together, the screens one after the other.
 
-    def ask(self, question: str, seconds: float | None, planned: Answer | None) -> Answer:
+        Without screens nothing is shown, and the onset is that of the question.
+        """
+
+    def ask(self, question: Prompt, seconds: float | None, planned: Answer | None) -> Answer:
         """Ask; wait for a key, or for the time that the planned answer takes. Or SessionLeft."""
 
     def first_flip(self) -> float | None:
@@ -77,10 +82,10 @@ class Nowhere:
     def present(self, screens: Screens, label: str) -> Presented:
         """Advance the clock by the clips and the gaps between them."""
         onset = self.clock
-        self.clock += len(screens) * self.clip_seconds + (len(screens) - 1) * self.gap
-        return Presented(onset, 0)
+        self.clock += len(screens) * self.clip_seconds + max(len(screens) - 1, 0) * self.gap
+        return Presented(onset, ())
 
-    def ask(self, question: str, seconds: float | None, planned: Answer | None) -> Answer:
+    def ask(self, question: Prompt, seconds: float | None, planned: Answer | None) -> Answer:
         """Take the planned answer, unless it comes too late."""
         if planned is None or planned.response_time is None:
             raise ValueError("a stage without a window needs a planned answer")

@@ -11,6 +11,11 @@ class ClipKey(NamedTuple):
     method: str | None = None
     length: int | None = None
 
+    @property
+    def called(self) -> str:
+        """The clip in words, where no set names it."""
+        return f"{self.motion}/{self.method or self.length}"
+
 
 @dataclass(frozen=True)
 class Trial:
@@ -24,10 +29,13 @@ class Trial:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of a trial: the response (None: no answer), seconds, and how it was shown."""
+    """What came of a trial: the response (None: no answer), seconds, and how it was shown.
+
+    `late_frames` is None where frames were left out on purpose.
+    """
 
     response: str | None
     response_time: float | None
     onset: float
-    late_frames: int = 0
+    late_frames: int | None = 0
     void: bool = False

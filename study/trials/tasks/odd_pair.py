@@ -8,13 +8,12 @@ import numpy as np
 from pydantic import Field
 
 from analysis.psychometric import location_for, proportion
-from study.protocol.faults import Fault, given_lengths, given_methods, table_at
+from study.protocol.faults import Fault, given_lengths, given_methods, no_conditions, table_at
 from study.protocol.schema import ObserverTable, Positive, ProtocolFile
 from study.trials.chain import stationary
 from study.trials.deck import Card, Supply, shuffled
 from study.trials.plan import Plan
-from study.trials.staircase import target_weighted
-from study.trials.tasks.task import Responder, Screens, Task
+from study.trials.tasks.task import Responder, Screens, Task, alternatives
 from study.trials.tracks import StaircaseTable, make_rule, start_tracks, track_faults
 from study.trials.trial import ClipKey, Outcome
 
@@ -164,7 +163,8 @@ def person(plan: Plan, truth: OddPairObserver, generator: np.random.Generator) -
 def settles(plan: Plan) -> list[dict[str, Any]]:
     """Where each staircase settles on the protocol's observer, exactly, from its Markov chain.
 
-    Rules whose steps are parts of a level have no finite chain: their target is the formula's.
+    Rules without a finite chain, whose steps are parts of a level or follow a posterior, have the
+    target of their formula, or none.
     """
     file = _file(plan)
     table, observer = file.staircase, file.observer
@@ -182,11 +182,10 @@ def settles(plan: Plan) -> list[dict[str, Any]]:
             right = proportion(observer.function, x, location, *curve)
             row: dict[str, Any] = {"motion": motion.name, "side": side, "rule": table.rule,
                                    "levels": list(levels)}  # fmt: skip
-            try:
-                settled = stationary(make_rule(table), x, right)
-            except ValueError:
-                row["target"] = target_weighted(table.down or 1, table.up or 1, table.n_down or 1)
-            else:
+            rule = make_rule(table)
+            row["target"] = rule.target
+            if rule.finite:
+                settled = stationary(rule, x, right)
                 mean = settled.mean_level
                 row |= {
                     "mean_level": mean,
@@ -199,6 +198,7 @@ def settles(plan: Plan) -> list[dict[str, Any]]:
 
 def faults(document: Mapping[str, Any]) -> Iterator[Fault]:
     """What is wrong with an odd-pair protocol beyond single keys."""
+    yield from no_conditions(document)
     stimuli = table_at(document, "stimuli")
     if stimuli.get("reference") is None:
         yield Fault(("stimuli", "reference"), "expected the length k (frames or 'geodesic')")
@@ -224,14 +224,14 @@ def _file(plan: Plan) -> OddPairFile:
     return file
 
 
+_QUESTION = (
+    "Which pair held two different motions?\n\n"
+    "{first}   the first pair        {second}   the second pair"
+)
+
 TASK = Task(
     name="odd-pair",
-    responses=("1", "2"),
     layout="side-by-side",
-    question=(
-        "Which pair held two different motions?\n\n"
-        "{first}   the first pair        {second}   the second pair"
-    ),
     welcome=(
         "You will see two pairs of short animations, one pair after the other.\n"
         "In one pair the two animations are the same, in the other they differ.\n\n"
@@ -259,6 +259,7 @@ TASK = Task(
     catch=easiest,
     screens=screens,
     clips=clips,
+    ask=alternatives(_QUESTION, "1", "2"),
     correct=correct,
     row=row,
     person=person,
