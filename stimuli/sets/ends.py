@@ -58,9 +58,11 @@ def _parted(
 
 
 def _sight_lines(camera: Camera, places: Places) -> Places:
-    """(F, J, 3) unit directions in which the camera sees points (F, J, 3)."""
-    seen = places - np.array(camera.position)
-    return seen / np.linalg.norm(seen, axis=-1, keepdims=True)
+    """(F, J, 3) unit directions to the picture's places of points (F, J, 3), for that eye."""
+    pixels, _ = camera.project(places, 2, 2)  # the picture's half-height is one
+    aside = (pixels - 1) * np.tan(camera.field_of_view / 2)
+    lines = np.concatenate([aside, np.ones_like(aside[..., :1])], axis=-1)
+    return lines / np.linalg.norm(lines, axis=-1, keepdims=True)
 
 
 def _angles(one: Places, other: Places) -> Places:

@@ -35,11 +35,12 @@ class Scenery:
 
 @dataclass(frozen=True, eq=False)
 class DrawJob:
-    """The frames (n) of a clip that no clip before it has: how the bones lie in each."""
+    """A clip's motion, and which of its frames no clip before it has: those that are drawn."""
 
     scenery: str
-    keys: tuple[FrameKey, ...]
-    bones: NDArray[np.float32]  # (n, B, 8)
+    keys: tuple[FrameKey, ...]  # of the frames that are drawn
+    places: tuple[int, ...]  # of them in the clip
+    bones: NDArray[np.float32]  # (F, B, 8) of the whole clip
 
 
 @dataclass(frozen=True)
@@ -82,5 +83,6 @@ def jobs_of(
         first = {key: place for place, key in reversed(list(enumerate(keys))) if key not in known}
         fresh = sorted(first.values())
         known.update(first)
-        job = DrawJob(scenery.name, tuple(keys[n] for n in fresh), one_sign(bones[fresh]))
+        drawn = tuple(keys[place] for place in fresh)
+        job = DrawJob(scenery.name, drawn, tuple(fresh), one_sign(bones))
         yield name, keys, job

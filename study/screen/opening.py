@@ -4,7 +4,7 @@ import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stimuli.errors import InputWarning
+from stimuli.errors import InputError, InputWarning
 from study.screen.clips import ClipCache
 from study.screen.lost import tell_when_lost
 from study.screen.refresh import notes_on
