@@ -20,7 +20,7 @@ from stimuli.render.bodies import Body, Skin
 from stimuli.render.rig import Rig
 from stimuli.render.shapes import Floats
 
-INFLUENCES = 4  # bones a vertex, as many as every program reads
+MOST_CARRIERS = 4  # bones a vertex, as many as every program reads
 MOVES = 1e-5  # metres: a bone that moves less within its parent has no track for it
 FLOAT, BYTE, INDEX = 5126, 5121, 5125  # glTF's numbers of component types
 VERTICES, TRIANGLES = 34962, 34963  # and of what a view is for
@@ -136,7 +136,7 @@ def _mesh(gltf: Any, written: _Written, skin: Skin) -> Any:
 
 def influences(weights: Floats) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
     """(V, 4) the bones that carry each point most, and their shares, which sum to one."""
-    strongest = np.argsort(-weights, axis=1, kind="stable")[:, :INFLUENCES]
+    strongest = np.argsort(-weights, axis=1, kind="stable")[:, :MOST_CARRIERS]
     shares = np.take_along_axis(weights.astype(float), strongest, axis=1)
     shares /= shares.sum(axis=1, keepdims=True)
     return np.where(shares > 0, strongest, 0).astype(np.uint8), shares.astype(np.float32)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from stimuli.errors import InputWarning
 from stimuli.motion.clip import Clip
 from stimuli.motion.library import Library
+from stimuli.render.appearance import Appearance
 from stimuli.render.bodies import Body, bone_motion, make_body
 from stimuli.render.camera import Camera
 from stimuli.render.clip import group_camera
@@ -49,6 +50,11 @@ class PlannedGroup:
     def name(self) -> str:
         """The pairing's name."""
         return self.resolved.name
+
+    @property
+    def look(self) -> Appearance:
+        """How the whole set looks."""
+        return self.scenery.look
 
     @property
     def camera(self) -> Camera:

@@ -11,7 +11,7 @@ from stimuli.sets.manifest import Manifest
 from stimuli.sheet.gathered import MotionSheet, blend, label
 
 HIGH = 180  # pixels of a strip at most
-MARGIN, GAP, NAME, LINE = 16, 2, 190, 18
+MARGIN, GAP, NAME, _LINE = 16, 2, 190, 18
 _INK, _FAINT, _PAPER, _MIXED = (30, 32, 36), (110, 114, 120), (250, 250, 248), (196, 78, 32)
 
 
@@ -42,14 +42,14 @@ def _block(manifest: Manifest, shown: MotionSheet) -> Any:
     wide, high = round(cells.shape[2] * scale), round(cells.shape[1] * scale)
     columns = len(shown.strips[0].numbers)
     width = NAME + columns * (wide + GAP)
-    top = 2 * LINE + 8
+    top = 2 * _LINE + 8
     image = Image.new("RGB", (width, top + len(shown.clips) * (high + GAP)), _PAPER)
     draw = ImageDraw.Draw(image)
     ends = [f"{pairing[side]['clip']}:{pairing[side]['frame']}" for side in ("from", "to")]
     draw.text((0, 0), f"{shown.motion}   {' to '.join(ends)}", _INK, _font(15))
     for place, number in enumerate(shown.strips[0].numbers):
         left = NAME + place * (wide + GAP)
-        draw.text((left + wide / 2, LINE + 14), str(number), _FAINT, _font(12), anchor="mm")
+        draw.text((left + wide / 2, _LINE + 14), str(number), _FAINT, _font(12), anchor="mm")
     for row, (entry, strip) in enumerate(zip(shown.clips, shown.strips, strict=True)):
         y = top + row * (high + GAP)
         draw.text((0, y + high / 2), label(entry, pairing), _INK, _font(13), anchor="lm")

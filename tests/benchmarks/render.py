@@ -6,7 +6,7 @@ import statistics
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -33,7 +33,7 @@ def rows() -> list[dict[str, Any]]:
 
 def _measured(name: str) -> float:
     """The median of several runs, each in a process of its own, as contexts must not meet."""
-    from stimuli.sets.drawing import ENVIRONMENT
+    from stimuli.sets.workers import ENVIRONMENT
 
     values = []
     for _ in range(RUNS):
@@ -91,59 +91,53 @@ def _encoded() -> Callable[[], None]:
 
 
 def _rival() -> Callable[[], None]:
+    """A capsule from each joint to its parent, each a node, in a scene made for each frame."""
+    from stimuli.motion import forward
     from stimuli.render import Appearance, group_camera
     from stimuli.render.bodies import make_body
-
-    walk, look = _walk(), Appearance(width=WIDTH, height=HEIGHT, body="parts")
-    camera = group_camera(make_body(walk, "parts"), [walk], look, FRAMES // 2)
-    pictures = straightforward()
-    next(pictures(walk, camera))
-
-    def draw() -> None:
-        for _ in pictures(walk, camera):
-            pass
-
-    return draw
-
-
-def straightforward() -> Callable[[Any, Any], Iterator[Any]]:
-    """Pictures of a motion seen by a camera, as pyrender's examples draw.
-
-    A capsule from each joint to its parent, each a node, in a scene made for each frame.
-    """
-    from stimuli.motion import forward
-    from stimuli.motion import quaternions as quat
     from stimuli.render.reference import swing
     from stimuli.render.scene import import_pyrender
 
     pyrender = import_pyrender()
     import trimesh
 
+    from stimuli.motion import quaternions as quat
+
+    walk, look = _walk(), Appearance(width=WIDTH, height=HEIGHT, body="parts")
+    camera = group_camera(make_body(walk, "parts"), [walk], look, FRAMES // 2)
+    positions, _ = forward(walk.skeleton, walk.rotations, walk.root)
+    up = np.array([0.0, 0.0, 1.0])
+    axes = np.eye(3)
+    bones = [(j, int(p)) for j, p in enumerate(walk.skeleton.parents) if p >= 0]
+    lengths = {
+        bone: np.linalg.norm(positions[0, bone[0]] - positions[0, bone[1]]) for bone in bones
+    }
+    capsules = {
+        bone: trimesh.creation.capsule(length, 0.05, count=[24, 24])
+        for bone, length in lengths.items()
+    }
     os.environ["PYOPENGL_PLATFORM"] = "egl"
     offscreen = pyrender.OffscreenRenderer(WIDTH, HEIGHT)
-    up, axes = np.array([0.0, 0.0, 1.0]), np.eye(3)
 
-    def pictures(motion: Any, camera: Any) -> Iterator[Any]:
-        positions, _ = forward(motion.skeleton, motion.rotations, motion.root)
-        bones = [(j, int(p)) for j, p in enumerate(motion.skeleton.parents) if p >= 0]
-        capsules = {
-            (j, p): trimesh.creation.capsule(
-                np.linalg.norm(positions[0, j] - positions[0, p]), 0.05, count=[24, 24]
-            )
-            for j, p in bones
-        }
-        for at in positions:
-            scene = pyrender.Scene(bg_color=(0.5, 0.5, 0.5, 1.0), ambient_light=(0.3, 0.3, 0.3))
-            for joint, parent in bones:
-                pose = np.eye(4)
-                pose[:3, :3] = quat.rotate(swing(up, at[joint] - at[parent]), axes).T
-                pose[:3, 3] = at[parent]
-                scene.add(pyrender.Mesh.from_trimesh(capsules[joint, parent]), pose=pose)
-            scene.add(pyrender.DirectionalLight(np.ones(3), 3.0), pose=camera.pose)
-            scene.add(pyrender.PerspectiveCamera(camera.field_of_view), pose=camera.pose)
-            yield offscreen.render(scene)[0]
+    def picture(frame: int) -> None:
+        scene = pyrender.Scene(bg_color=(*look.background, 1.0), ambient_light=(0.3, 0.3, 0.3))
+        for joint, parent in bones:
+            pose = np.eye(4)
+            turn = swing(up, positions[frame, joint] - positions[frame, parent])
+            pose[:3, :3] = quat.rotate(turn, axes).T
+            pose[:3, 3] = positions[frame, parent]
+            scene.add(pyrender.Mesh.from_trimesh(capsules[joint, parent]), pose=pose)
+        scene.add(pyrender.DirectionalLight(np.ones(3), 3.0), pose=camera.pose)
+        scene.add(pyrender.PerspectiveCamera(camera.field_of_view), pose=camera.pose)
+        offscreen.render(scene)
 
-    return pictures
+    picture(0)
+
+    def draw() -> None:
+        for frame in range(FRAMES):
+            picture(frame)
+
+    return draw
 
 
 PREPARED = {"ours": _ours, "encoded": _encoded, "rival": _rival}

@@ -138,7 +138,7 @@ def _rival(place: Path) -> float:
     from stimuli.sets.group import plan_groups
     from study.protocol.sets import set_spec
     from study.trials.reading import load_protocol
-    from tests.benchmarks.render import straightforward
+    from tests.benchmarks.rival import straightforward
 
     library = Library([place / "motions"])
     protocol = load_protocol(str(place / "jnd-center.toml"))
