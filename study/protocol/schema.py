@@ -111,7 +111,8 @@ class Presentation(TomlTable):
 
 
 class Keys(TomlTable):
-    """The keys that answer a trial, for the first and the second alternative, and to leave."""
+    """The keys that answer a trial, for the first and the second alternative, to go on, and to
+    pause or leave."""
 
     first: str = "1"
     second: str = "2"
@@ -125,7 +126,21 @@ class Instructions(TomlTable):
     welcome: str = ""
     question: str = ""
     pause: str = ""
+    interrupted: str = (
+        "Paused.\n\nPress {go_on} to go on; what was on the screen is shown again.\n"
+        "Press {quit} once more to leave. All answers so far are kept."
+    )
     thanks: str = "Thank you. The session is over."
+
+
+class Lab(TomlTable):
+    """Who runs the study and where, for the data set that it leaves."""
+
+    authors: tuple[str, ...] = ()
+    institution: str = ""
+    department: str = ""
+    address: str = ""
+    license: str = ""
 
 
 class Trials(TomlTable):
@@ -206,6 +221,7 @@ class ProtocolFile(TomlTable):
     appearance: AppearanceTable = AppearanceTable()
     presentation: Presentation = Presentation()
     keys: Keys = Keys()
+    lab: Lab = Lab()
     instructions: Instructions = Instructions()
     trials: Trials = Trials()
     rehearsal: Rehearsal = Rehearsal()

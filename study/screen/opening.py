@@ -36,6 +36,7 @@ def open_window(
         background=(int(corner[0]), int(corner[1]), int(corner[2])),
         pace=request.pace,
         simulated=request.observer == "simulated",
+        interrupted=file.instructions.interrupted,
     )
     stage = WindowStage(look, clips, flip_log, request.screen, request.windowed)
     try:

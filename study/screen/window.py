@@ -3,12 +3,13 @@
 import os
 import time
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from stimuli.errors import InputError, MachineError, UnwritableError
-from study.protocol.schema import Keys
+from study.protocol.schema import Instructions, Keys
 from study.screen.clips import ClipCache, Frames
 from study.screen.home import writable_home
 from study.screen.keyboards import open_keyboard
@@ -16,7 +17,7 @@ from study.screen.panel import Panel
 from study.screen.refresh import Refresh, refresh_of
 from study.screen.scales import Clicks, Row, draw_scale
 from study.screen.schedule import Due, frames_late, last_refresh, schedule
-from study.session.stage import Answer, Presented, SessionLeft
+from study.session.stage import Answer, Interrupted, Presented, SessionLeft
 from study.trials.prompt import Prompt
 from study.trials.tasks import Screens
 
@@ -37,6 +38,7 @@ class Look:
     background: tuple[int, int, int]
     pace: float = 1.0
     simulated: bool = False
+    interrupted: str = Instructions().interrupted
 
 
 class WindowStage:
@@ -90,12 +92,38 @@ class WindowStage:
 
         A block comes after it, for which the keyboard's clock is measured.
         """
+        while True:
+            self._text(text)
+            self._keyboard.measure()
+            if self._look.simulated:
+                self._wait(READING_SECONDS / self._look.pace)
+                return
+            self._keyboard.listen()
+            try:
+                self._await_key({self._look.keys.go_on: "on"}, None)
+                return
+            except Interrupted:
+                self.pause()
+
+    def pause(self) -> None:
+        """Ask whether to go on; SessionLeft when the key that leaves is pressed once more."""
+        keys = self._look.keys
+        self._window.callOnFlip(self._keyboard.listen)
+        self._text(self._look.interrupted.format(go_on=keys.go_on.upper(), quit=keys.quit.upper()))
+        try:
+            self._await_key({keys.go_on: "on"}, None)
+        except Interrupted:
+            raise SessionLeft from None
+        self._keyboard.listen()
+
+    def thank(self, text: str) -> None:
+        """Show the last text until a key that goes on or leaves."""
         self._text(text)
-        self._keyboard.measure()
         if self._look.simulated:
             self._wait(READING_SECONDS / self._look.pace)
-        else:
-            self._keyboard.listen()
+            return
+        self._keyboard.listen()
+        with suppress(Interrupted):
             self._await_key({self._look.keys.go_on: "on"}, None)
 
     def flash(self, text: str) -> None:
@@ -226,8 +254,9 @@ class WindowStage:
             self._window.winHandle.dispatch_events()
 
     def _leave_on_quit(self) -> None:
+        """Interrupted when the key that pauses or leaves was pressed."""
         if self._keyboard.pressed([self._look.keys.quit], clear=False):
-            raise SessionLeft
+            raise Interrupted
 
     def _await_key(
         self,
@@ -244,7 +273,7 @@ class WindowStage:
         while seconds is None or self._keyboard.since() < seconds:
             for key in self._keyboard.pressed(wanted):
                 if key.name == self._look.keys.quit:
-                    raise SessionLeft
+                    raise Interrupted
                 if seconds is None or key.seconds <= seconds:
                     return Answer(meanings[key.name], key.seconds)
             for place in clicks.taken() if clicks and row else ():

@@ -1,7 +1,7 @@
 """A session with a participant: its stimuli, its record (new or resumed), its window."""
 
 import secrets
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -60,6 +60,7 @@ class Request:
     screen: int = 0
     windowed: bool = False
     lost: str = ""  # what is said when the screen goes away
+    battery: Mapping[str, object] | None = None  # of which this is a part: its name, order, place
 
 
 def check(request: Request, protocol: Protocol) -> None:
@@ -172,7 +173,7 @@ def _flip_log(request: Request, record: Path) -> Path:
 def _new_record(
     request: Request, plan: Plan, task: Task, manifest: "Manifest", stage: Stage, path: Path
 ) -> Record:
-    prepare(request.data)
+    prepare(request.data, plan.protocol.file.lab)
     enrol(request.data, request.participant, observer=request.observer)
     sidecar = sidecar_of(
         plan,
@@ -181,6 +182,7 @@ def _new_record(
         display=stage.display(),
         pace=request.pace,
         stimulus_set_hash=manifest.hash,
+        **({"Battery": dict(request.battery)} if request.battery else {}),
     )
     return create(path, (*COMMON, *task.columns), sidecar)
 

@@ -62,7 +62,7 @@ def simulate(
     however many are simulated at a time.
     """
     numbers = _free_numbers(data, protocol.label, participants)
-    prepare(data)
+    prepare(data, protocol.file.lab)
     jobs = [(protocol.document, references, seed, data, n) for n in numbers]
     paths = []
     most = 1 + participants // WORTH_A_PROCESS

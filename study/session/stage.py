@@ -26,6 +26,10 @@ class Answer(NamedTuple):
     response_time: float | None
 
 
+class Interrupted(Exception):
+    """Somebody pressed the key that pauses or leaves; the trial on screen is shown again."""
+
+
 class SessionLeft(Exception):
     """The participant or experimenter left the session; its record stays and can be resumed."""
 
@@ -40,17 +44,23 @@ class Stage(Protocol):
     def tell(self, text: str) -> None:
         """Show a text until it is dismissed; raises SessionLeft."""
 
+    def pause(self) -> None:
+        """Ask whether to go on or to leave; raises SessionLeft when leaving is confirmed."""
+
+    def thank(self, text: str) -> None:
+        """Show the last text; whichever key is pressed, the session is over."""
+
     def flash(self, text: str) -> None:
         """Show a text for a moment."""
 
     def present(self, screens: Screens, label: str) -> Presented:
-        """Show the clips of each screen together, the screens one after the other.
+        """Show the clips of each screen together, the screens one after the other. Or Interrupted.
 
         Without screens nothing is shown, and the onset is that of the question.
         """
 
     def ask(self, question: Prompt, seconds: float | None, planned: Answer | None) -> Answer:
-        """Ask; wait for a key, or for the time that the planned answer takes. Or SessionLeft."""
+        """Ask; wait for a key, or for the time that the planned answer takes. Or Interrupted."""
 
     def first_flip(self) -> float | None:
         """Unix time of the stage's first flip; None where nothing is flipped."""
@@ -74,6 +84,12 @@ class Nowhere:
     clock: float = 0.0
 
     def tell(self, text: str) -> None:
+        """Nobody reads."""
+
+    def pause(self) -> None:
+        """Nobody interrupts."""
+
+    def thank(self, text: str) -> None:
         """Nobody reads."""
 
     def flash(self, text: str) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 from pydantic import Field
 
 from study.protocol.faults import Fault, given_lengths, given_methods, table_at
-from study.protocol.schema import Name, ObserverTable, ProtocolFile, TomlTable
+from study.protocol.schema import ObserverTable, ProtocolFile, TomlTable
 from study.trials.deck import Card, Deck, Supply
 from study.trials.plan import Plan
 from study.trials.prompt import Prompt, RatingScale
@@ -27,7 +27,7 @@ COMPARED = "compared"
 class RatingQuestion(TomlTable):
     """A question, and what stands at the ends of its five points."""
 
-    name: Name
+    name: Annotated[str, Field(min_length=1)]
     text: Annotated[str, Field(min_length=1)]
     low: str
     high: str

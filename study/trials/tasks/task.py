@@ -64,3 +64,18 @@ def alternatives(text: str, first: str, second: str) -> Callable[[ProtocolFile, 
         return Prompt(said, {file.keys.first: first, file.keys.second: second})
 
     return ask
+
+
+def named_keys(file: ProtocolFile, task: Task) -> dict[str, Any]:
+    """What a text may name: the keys, and the seconds to answer."""
+    return {
+        "first": file.keys.first,
+        "second": file.keys.second,
+        "go_on": file.keys.go_on.upper(),
+        "seconds": file.presentation.answer_seconds or task.answer_seconds,
+    }
+
+
+def welcome_of(file: ProtocolFile, task: Task) -> str:
+    """The text that a session begins with: the protocol's, else the task's own."""
+    return file.instructions.welcome or task.welcome.format(**named_keys(file, task))
