@@ -50,7 +50,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--smooth", action="store_true", help="ease the weights by a smoothstep")
     parser.add_argument("--no-foot-lock", action="store_true", help="let feet slide as they will")
     parser.add_argument(
-        "--out", type=Path, required=True, metavar="FILE.bvh|.mp4|.mkv", help="what to write"
+        "--out",
+        type=Path,
+        required=True,
+        metavar="FILE.bvh|.mp4|.mov|.mkv|.glb",
+        help="what to write: the motion; a video, H.264 or lossless; the moving figure as glTF",
+    )
+    parser.add_argument(
+        "--glb", action="store_true", help="write the moving figure as glTF too, beside FILE"
     )
     parser.add_argument("--json", action="store_true", help="print one JSON document")
     add_motions_option(parser)
@@ -60,12 +67,17 @@ def run(args: argparse.Namespace) -> int:
     from study.cli.clips import names_frame, open_library
     from study.cli.common import check_outputs, print_json
 
-    writers = {".bvh": _write_bvh, ".mp4": _write_video, ".mkv": _write_video}
-    check_outputs(("--out", args.out, tuple(writers)))
+    writers = {
+        ".bvh": _write_bvh, ".mp4": _write_video, ".mov": _write_video, ".mkv": _write_video,
+        ".glb": _write_figure,
+    }  # fmt: skip
+    outputs = [args.out, *([args.out.with_suffix(".glb")] if args.glb else [])]
+    check_outputs(*(("--out", path, tuple(writers)) for path in outputs))
     framed = names_frame(args.from_point) or names_frame(args.to_point)
     join = _join if framed or args.method != "cut" else _best_cut
     joined, (i, j) = join(args, open_library(args.motions))
-    writers[args.out.suffix.lower()](joined.motion, args.out)
+    for path in dict.fromkeys(outputs):
+        writers[path.suffix.lower()](joined.motion, path)
     if args.json:
         print_json(
             {
@@ -157,3 +169,13 @@ def _write_video(motion: "Motion", path: Path) -> None:
     from stimuli.render import write_clip
 
     write_clip(motion, path)
+
+
+def _write_figure(motion: "Motion", path: Path) -> None:
+    from stimuli.render import Appearance
+    from stimuli.render.bodies import bone_motion, make_body
+    from stimuli.render.gltf import write_glb
+
+    look = Appearance()
+    body = make_body(motion, look.body)
+    write_glb(path, body, bone_motion(body, motion), motion.fps, look.colour)

@@ -37,6 +37,7 @@ class Options:
     effects: tuple[float, ...] = ()
     stimuli: Path | None = None
     workers: int | None = None
+    scheduler: str | None = None
 
 
 def one_study(job: SimulatedStudy) -> dict[str, Any]:
@@ -255,8 +256,8 @@ def _preference_powers(
     As many simulated studies as were asked for; on all cores where there are many.
     """
     from analysis.certificate import PowerJob, preference_power
+    from stimuli.processes import mapped
     from study.cli.common import progress
-    from study.session.processes import mapped
 
     file = protocol.file
     spread = file.observer.spread if file.observer else 0.0
@@ -277,8 +278,9 @@ def _preference_powers(
         for place, row in enumerate(rows)
     ]  # fmt: skip
     most = len(jobs) if sets >= WORTH_PROCESSES else 1
+    powers = mapped(preference_power, jobs, options.workers, most, options.scheduler)
     with progress(len(jobs), "simulating power") as step:
-        for done, power in enumerate(mapped(preference_power, jobs, options.workers, most), 1):
+        for done, power in enumerate(powers, 1):
             rows[done - 1]["power"] = power
             step(done)
     return rows

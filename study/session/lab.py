@@ -127,6 +127,7 @@ def _locked(
     lengths = references_of_manifest(protocol, manifest)
     plan = make_plan(protocol, lengths, seed, request.rehearsal, group)
     _check_clips(plan, manifest)
+    _check_sources(plan, manifest)
     observer = simulated(plan) if request.observer == "simulated" else None
     path = earlier.path if earlier else _new_path(request, protocol)
     stage = open_stage(request, plan, task, manifest, _flip_log(request, path))
@@ -214,6 +215,28 @@ def _check_clips(plan: Plan, manifest: "Manifest") -> None:
             f"{manifest.directory}: expected all clips of {plan.protocol.name}, found none for "
             f"{names}{' and more' if len(lacking) > 4 else ''};\n"
             f"run `{again_command(plan.protocol, manifest.directory)}`"
+        )
+    for clip in (entry(manifest, key) for key in clips_of(plan)):
+        wanted, found = clip.document.get("bytes"), clip.path.stat().st_size
+        if wanted not in (None, found):  # what it holds is looked at when it is decoded
+            raise InputError(
+                f"{clip.path}: expected {wanted} bytes, as the set was rendered, found {found}: it "
+                "was cut short or exchanged;\n"
+                f"run `{again_command(plan.protocol, manifest.directory)}`"
+            )
+
+
+def _check_sources(plan: Plan, manifest: "Manifest") -> None:
+    """The motions that the set was rendered from are still what their files hold."""
+    from stimuli.sets.sources import changed_files
+
+    names = {motion.name for motion in plan.motions}
+    shown = {name: told for name, told in manifest.pairings.items() if name in names}
+    if changed := changed_files(shown):
+        raise InputError(
+            f"{manifest.directory}: expected the motions that it was rendered from, found "
+            f"{', '.join(changed)} changed since;\nput the files back as they were, or run "
+            f"`{again_command(plan.protocol, manifest.directory)}`"
         )
 
 

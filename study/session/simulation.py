@@ -1,17 +1,19 @@
 """Participants without a window and without stimuli: the same session code, the same record."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from itertools import islice
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from stimuli.errors import InputError
+from stimuli.files import write_atomic
+from stimuli.processes import mapped
 from study.protocol.protocol import Protocol
 from study.record.dataset import enrol, prepare, record_path, runs
 from study.record.sidecar import sidecar_of
 from study.record.table import COMMON, create
 from study.session.conduct import ShownClip, rows_of_plan, run
-from study.session.processes import mapped
 from study.session.stage import Nowhere
 from study.trials.observers import Simulated, simulated
 from study.trials.plan import Plan, make_plan, session_seed
@@ -49,8 +51,11 @@ def simulate(
     data: Path,
     workers: int | None = None,
     progress: Callable[[int], None] | None = None,
+    scheduler: str | None = None,
 ) -> list[Path]:
     """Simulate sessions into the data set `data`, on all cores; returns the records.
+
+    A Dask `scheduler`'s address gives the sessions to its cluster, which sends their files back.
 
     Participants are named sim001 on; numbers that already have this task are passed over. A
     person's own seed goes by the number in the name, so that sim013 is one person for one `seed`,
@@ -60,7 +65,14 @@ def simulate(
     prepare(data, protocol.file.lab)
     jobs = [(protocol.document, references, seed, data, n) for n in numbers]
     paths = []
-    for path in mapped(_one, jobs, workers, 1 + participants // WORTH_A_PROCESS):
+    most = 1 + participants // WORTH_A_PROCESS
+    done: Iterator[Path]
+    if scheduler is None:
+        done = mapped(_one, jobs, workers, most)
+    else:
+        sent = mapped(_elsewhere, jobs, workers, most, scheduler)
+        done = (_kept(data, files) for files in sent)
+    for path in done:
         paths.append(path)
         if progress:
             progress(len(paths))
@@ -100,6 +112,25 @@ def _one(job: tuple[Any, dict[str, int], int, Path, int]) -> Path:
     sidecar = sidecar_of(plan, task, observer="simulated", display=stage.display())
     record = create(path, (*COMMON, *task.columns), sidecar)
     run(plan, stage, record, simulated(plan), unrendered)
+    return path
+
+
+def _elsewhere(job: tuple[Any, dict[str, int], int, Path, int]) -> list[tuple[str, bytes]]:
+    """The files of one session, the record last, from a machine without this data set."""
+    document, references, seed, _, number = job
+    with TemporaryDirectory(prefix="segue-") as folder:
+        there = Path(folder)
+        record = _one((document, references, seed, there, number))
+        files = [path for path in there.rglob("*") if path.is_file() and path != record]
+        return [(p.relative_to(there).as_posix(), p.read_bytes()) for p in (*files, record)]
+
+
+def _kept(data: Path, files: Sequence[tuple[str, bytes]]) -> Path:
+    """Write what came back from elsewhere; the record's path."""
+    path = data
+    for name, content in files:
+        path = data / name
+        write_atomic(path, content)
     return path
 
 

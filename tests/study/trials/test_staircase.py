@@ -126,6 +126,13 @@ def test_an_exact_chain_needs_whole_steps() -> None:
         stationary(rule_weighted(0.4, 1.0), np.arange(3.0), np.full(3, 0.7))
 
 
+def test_a_track_of_one_level_stays_there() -> None:
+    found = stationary(rule_wang(), np.array([4.0]), np.array([0.75]))
+    assert found.occupancy.tolist() == pytest.approx([1.0])
+    assert found.overall_correct == pytest.approx(0.75)
+    assert found.mean_reversal is None
+
+
 def test_a_track_that_nothing_ends_ends_by_itself_and_says_so() -> None:
     """Who is always right never reverses (psychopy#1046)."""
     stop = Stop((("reversals", 10),), most=30)
