@@ -8,16 +8,15 @@ Clips of earlier builds stay, since records may refer to them; `prune` removes t
 
 import json
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from stimuli.errors import InputError
 from stimuli.files import write_atomic
 from stimuli.motion.library import Library
-from stimuli.sets.group import PlannedClip, PlannedGroup, plan_group
+from stimuli.sets.group import PlannedClip, PlannedGroup, plan_groups
 from stimuli.sets.manifest import FORMAT, MANIFEST, Manifest, from_document, set_hash
-from stimuli.sets.plan import resolve
 from stimuli.sets.spec import SetSpec
 from stimuli.sets.workers import Rendered, RenderJob, render_all
 
@@ -49,7 +48,7 @@ def build(
     """
     from filelock import FileLock, Timeout
 
-    groups = [plan_group(spec, pairing, library) for pairing in resolve(spec, library)]
+    groups = plan_groups(spec, library)
     (out / CLIPS).mkdir(parents=True, exist_ok=True)
     try:
         with FileLock(out / ".lock", timeout=0):
@@ -62,7 +61,7 @@ def build(
 
 def inventory(spec: SetSpec, library: Library, out: Path) -> Inventory:
     """What `build` would do, without doing it."""
-    groups = [plan_group(spec, pairing, library) for pairing in resolve(spec, library)]
+    groups = plan_groups(spec, library)
     return _inventory(groups, out)
 
 
@@ -109,7 +108,8 @@ def _built(
             clip.bones,
             spec.fps,
             group.camera,
-            spec.appearance,
+            group.look,
+            clip.ground,
         )
         for group in groups
         for clip in group.clips
@@ -176,9 +176,10 @@ def _document(spec: SetSpec, groups: Sequence[PlannedGroup], out: Path) -> dict[
         "fps": spec.fps,
         "seconds": spec.seconds,
         "frames": spec.frames,
-        "width": spec.appearance.width,
-        "height": spec.appearance.height,
+        "width": groups[0].look.width,
+        "height": groups[0].look.height,
         "background": list(spec.appearance.background),
+        "appearance": asdict(groups[0].look),
         "specification": spec.specification,
         "pairings": {group.name: group.document for group in groups},
         "clips": [_clip(clip, out) for group in groups for clip in group.clips],

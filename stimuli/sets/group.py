@@ -1,4 +1,8 @@
-"""A group of clips planned: every clip laid out, one body, one camera, and what goes on record."""
+"""Groups of clips planned: every clip laid out, a body, one camera, and what goes on record.
+
+Where the look leaves the camera or the shape of the pictures open, one choice is made for all
+groups of a set, from what the figure does in all of them.
+"""
 
 import warnings
 from collections.abc import Mapping, Sequence
@@ -11,13 +15,16 @@ from numpy.typing import NDArray
 from stimuli.errors import InputWarning
 from stimuli.motion.clip import Clip
 from stimuli.motion.library import Library
+from stimuli.render.appearance import Appearance
 from stimuli.render.bodies import Body, bone_motion, make_body
 from stimuli.render.camera import Camera
-from stimuli.render.clip import group_camera
+from stimuli.render.clip import ground_motions
+from stimuli.render.ground import GroundMotion
+from stimuli.render.staging import Settled, Staging, settle, sizes, stage
 from stimuli.sets.ends import end_displacements
 from stimuli.sets.layout import LaidOut, lay_out
 from stimuli.sets.naming import RECIPE, clip_names, joining, motion_digest, same_pictures
-from stimuli.sets.plan import ResolvedPairing
+from stimuli.sets.plan import ResolvedPairing, resolve
 from stimuli.sets.spec import SetSpec
 from stimuli.transition.measures import transition_measures
 
@@ -29,23 +36,54 @@ class PlannedClip:
     hash: str
     laid_out: LaidOut
     bones: NDArray[np.float32]  # (F, B, 8) what is drawn: how the body's bones move
+    ground: GroundMotion | None
     document: Mapping[str, Any]
 
 
 @dataclass(frozen=True, eq=False)
 class PlannedGroup:
-    """The clips of a pairing."""
+    """The clips of a pairing; the look is that of the whole set, with nothing left open."""
 
     name: str
     body: Body
+    look: Appearance
     camera: Camera
     clips: tuple[PlannedClip, ...]
     document: Mapping[str, Any]
 
 
+@dataclass(frozen=True, eq=False)
+class _LaidGroup:
+    """The clips of a pairing laid out, with the methods or lengths that they are of."""
+
+    resolved: ResolvedPairing
+    kinds: tuple[tuple[str | None, int], ...]
+    laid: tuple[LaidOut, ...]
+    body: Body
+    bones: tuple[NDArray[np.float32], ...]
+    staging: Staging
+
+
+def plan_groups(spec: SetSpec, library: Library) -> list[PlannedGroup]:
+    """All groups of a set, under one look; says what was chosen where that was left open."""
+    groups = [_laid_group(spec, resolved, library) for resolved in resolve(spec, library)]
+    settled = settle(spec.appearance, [group.staging for group in groups], spec.beside)
+    for remark in settled.remarks:
+        warnings.warn(f"set {spec.name}: {remark}", InputWarning, stacklevel=2)
+    return [
+        _planned_group(spec, group, library, settled, camera)
+        for group, camera in zip(groups, settled.cameras, strict=True)
+    ]
+
+
 def plan_group(spec: SetSpec, resolved: ResolvedPairing, library: Library) -> PlannedGroup:
-    """Lay out every clip of a pairing and find the camera that holds the figure in all of them."""
-    look, pairing = spec.appearance, resolved.pairing
+    """One group by itself, as if the set had no other."""
+    group = _laid_group(spec, resolved, library)
+    settled = settle(spec.appearance, [group.staging], spec.beside)
+    return _planned_group(spec, group, library, settled, settled.cameras[0])
+
+
+def _laid_group(spec: SetSpec, resolved: ResolvedPairing, library: Library) -> _LaidGroup:
     kinds: list[tuple[str | None, int]] = [
         *resolved.methods.items(), *((None, length) for length in resolved.lengths)
     ]  # fmt: skip
@@ -53,26 +91,61 @@ def plan_group(spec: SetSpec, resolved: ResolvedPairing, library: Library) -> Pl
         lay_out(spec, resolved, library, method=method, length=None if method else length)
         for method, length in kinds
     ]
-    source = library.load(pairing.from_clip)
-    body = _body(source, look.body)
-    camera = group_camera(body, [clip.motion for clip in laid], look, laid[0].at)
-    names = _names(spec, resolved, library, laid)
+    body = _body(library.load(resolved.pairing.from_clip), spec.appearance)
+    motions = [clip.motion for clip in laid]
+    bones = tuple(bone_motion(body, motion) for motion in motions)
+    staging = stage(body, motions, bones, laid[0].at, [clip.mixed for clip in laid])
+    return _LaidGroup(resolved, tuple(kinds), tuple(laid), body, bones, staging)
+
+
+def _planned_group(
+    spec: SetSpec, group: _LaidGroup, library: Library, settled: Settled, camera: Camera
+) -> PlannedGroup:
+    resolved, kinds, laid, body = group.resolved, group.kinds, group.laid, group.body
+    names = _names(spec, resolved, library, laid, settled.look)
     reference = next(
         clip for (_, length), clip in zip(kinds, laid, strict=True) if length == resolved.anchor
     )
+    grounds = ground_motions(body, [clip.motion for clip in laid], group.bones, settled.look)
     clips = tuple(
-        _planned(spec, resolved, method, clip, reference, bone_motion(body, clip.motion), name)
-        for (method, _), clip, name in zip(kinds, laid, names, strict=True)
-    )
+        PlannedClip(
+            name, clip, bones, ground,
+            _clip_document(spec, resolved, method, clip, reference),
+        )
+        for (method, _), clip, bones, ground, name in zip(
+            kinds, laid, group.bones, grounds, names, strict=True
+        )
+    )  # fmt: skip
     if len({clip.hash for clip in clips}) < len(clips):
-        _warn_of_copies(spec, pairing.name, kinds, clips)
-    return PlannedGroup(
-        pairing.name, body, camera, clips, _group_document(resolved, library, camera, body)
-    )
+        _warn_of_copies(spec, resolved.name, kinds, clips)
+    document = _group_document(resolved, library, camera, body) | {
+        "figure": figure_document(settled.look, camera, group.staging)
+    }
+    return PlannedGroup(resolved.name, body, settled.look, camera, clips, document)
+
+
+def figure_document(look: Appearance, camera: Camera, staging: Staging) -> dict[str, float]:
+    """How large a figure is that stands where it is: shares of the picture, degrees of angle.
+
+    Least within a second of the blend, and anywhere; the degrees are those of the picture as it
+    is meant to be seen, `middle` is where the figure stands on average, 0 being the top.
+    """
+    shown = sizes(camera, staging)
+    half = np.tan(np.radians(look.picture_degrees / 2))
+    degrees = {
+        f"{key}_degrees": 2 * float(np.degrees(np.arctan(half * share)))
+        for key, share in (("near_blend", shown.near_blend), ("anywhere", shown.anywhere))
+    }
+    found = {"near_blend": shown.near_blend, "anywhere": shown.anywhere, "middle": shown.middle}
+    return {key: round(value, 3) for key, value in (found | degrees).items()}
 
 
 def _names(
-    spec: SetSpec, resolved: ResolvedPairing, library: Library, laid: Sequence[LaidOut]
+    spec: SetSpec,
+    resolved: ResolvedPairing,
+    library: Library,
+    laid: Sequence[LaidOut],
+    look: Appearance,
 ) -> list[str]:
     """Names of a group's clips in order; clips that nobody could tell apart have one name."""
     pairing = resolved.pairing
@@ -86,7 +159,7 @@ def _names(
         "at": laid[0].at,
         "frames": spec.frames,
         "fps": spec.fps,
-        "appearance": asdict(spec.appearance),
+        "appearance": asdict(look),
     }
     return clip_names(made_of, [joining(laid[first].transition) for first in firsts])
 
@@ -106,21 +179,20 @@ def _warn_of_copies(
                 f"set {spec.name}, {pairing}: {' and '.join(alike)} make one and the same clip, "
                 "which compares nothing; choose other frames",
                 InputWarning,
-                stacklevel=4,
+                stacklevel=5,
             )
 
 
-def _planned(
+def _clip_document(
     spec: SetSpec,
     resolved: ResolvedPairing,
     method: str | None,
     clip: LaidOut,
     reference: LaidOut,
-    bones: NDArray[np.float32],
-    name: str,
-) -> PlannedClip:
+) -> dict[str, Any]:
+    """A clip's entry in the manifest; its `appearance` is what was asked for."""
     remark = resolved.remarks.get(method) if method else None
-    document = {
+    return {
         "motion": resolved.name,
         "method": method,
         "specification": spec.specification,
@@ -142,7 +214,6 @@ def _planned(
         "recipe": RECIPE,
         "appearance": asdict(spec.appearance),
     }
-    return PlannedClip(name, clip, bones, document)
 
 
 def _group_document(
@@ -189,12 +260,12 @@ def _plain(report: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-_BODIES: dict[tuple[str, str], Body] = {}
+_BODIES: dict[tuple[str, Appearance], Body] = {}
 
 
-def _body(clip: Clip, style: str) -> Body:
-    """The body of a clip's skeleton, made once for a file and style in a process."""
-    key = (clip.sha256, style)
+def _body(clip: Clip, look: Appearance) -> Body:
+    """The body of a clip's skeleton, made once for a file and look in a process."""
+    key = (clip.sha256, look)
     if key not in _BODIES:
-        _BODIES[key] = make_body(clip.motion, style)
+        _BODIES[key] = make_body(clip.motion, look)
     return _BODIES[key]

@@ -20,8 +20,9 @@ from numpy.typing import NDArray
 from stimuli.errors import MachineError, UnwritableError
 from stimuli.files import NO_ROOM
 from stimuli.render.appearance import Appearance
-from stimuli.render.bodies import Skin
 from stimuli.render.camera import Camera
+from stimuli.render.ground import GroundMotion
+from stimuli.render.skin import Skin
 
 ENVIRONMENT = {
     "OMP_NUM_THREADS": "1",
@@ -42,6 +43,7 @@ class RenderJob:
     fps: float
     camera: Camera
     look: Appearance
+    ground: GroundMotion | None = None
 
 
 @dataclass(frozen=True)
@@ -183,7 +185,7 @@ def _outcome(job: RenderJob, drawing: Any) -> Rendered | BaseException:
     sha = hashlib.sha256()
 
     def frames() -> Iterator[Any]:
-        for frame in drawing.frames(job.bones):
+        for frame in drawing.frames(job.bones, job.ground):
             sha.update(frame.tobytes())
             yield frame
 

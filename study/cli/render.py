@@ -148,5 +148,6 @@ def _write_strips(manifest: "Manifest") -> None:
         first, last = entry.document["mixed"]
         kind = entry.method or f"{entry.length:02d}"
         name = f"{entry.motion}-{kind}.png"
-        picture = strip(decode_video(entry.path), middle=(first + last) // 2)
+        frames = decode_video(entry.path)
+        picture = strip(frames, middle=(first + last) // 2, mixed=(first, last))
         write_png(manifest.directory / "strips" / name, picture)

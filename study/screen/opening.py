@@ -9,7 +9,7 @@ from study.screen.clips import ClipCache, Frames
 from study.screen.lost import tell_when_lost
 from study.screen.refresh import notes_on
 from study.screen.window import Look, WindowStage
-from study.session.lab import Request, clips_of, entry, shown_frames
+from study.session.lab import Request, entry, shown_frames
 from study.trials.plan import Plan
 from study.trials.tasks import Task
 
@@ -24,14 +24,17 @@ def open_window(
     file = plan.protocol.file
     start, count = shown_frames(plan, manifest)
     clips = ClipCache(lambda key: _whole(entry(manifest, key))[start : start + count])
-    first = clips_of(plan)[0]
-    corner = clips.frames([first])[first][0, 0, 0]
     look = Look(
         keys=file.keys,
         gap=file.presentation.gap,
         clip_height=file.presentation.clip_height,
         fps=float(manifest.fps),
-        background=(int(corner[0]), int(corner[1]), int(corner[2])),
+        background=levels(manifest.background),
+        enlarge=file.presentation.enlarge,
+        viewing_distance=file.presentation.viewing_distance,
+        screen_width=file.presentation.screen_width,
+        picture=manifest.size,
+        beside=file.beside,
         pace=request.pace,
         simulated=request.observer == "simulated",
         interrupted=file.instructions.interrupted,
@@ -46,6 +49,12 @@ def open_window(
         raise
     tell_when_lost(request.lost)
     return stage
+
+
+def levels(colour: tuple[float, float, float]) -> tuple[int, int, int]:
+    """A colour 0..1 as pictures have it, in levels of 255."""
+    red, green, blue = (round(255 * share) for share in colour)
+    return red, green, blue
 
 
 def _whole(clip: Any) -> Frames:
