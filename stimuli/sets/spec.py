@@ -40,6 +40,7 @@ class SetSpec:
     smooth: bool = False
     foot_lock: bool = True
     appearance: Appearance = field(default_factory=Appearance)
+    beside: int = 1  # clips that a screen shows side by side, which decides the best shape
 
     @property
     def frames(self) -> int:

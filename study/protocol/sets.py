@@ -73,6 +73,7 @@ def set_spec(
         smooth=stimuli.smooth,
         foot_lock=stimuli.foot_lock,
         appearance=Appearance(**file.appearance.model_dump()),
+        beside=file.beside,
     )
 
 
