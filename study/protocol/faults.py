@@ -10,8 +10,8 @@ from typing import Any, NamedTuple, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
+from stimuli.places import find_line
 from study.protocol.keys import KEY_NAMES
-from study.protocol.places import find_line
 from study.protocol.schema import Keys, ProtocolFile
 
 SOME_KEYS = ("1", "a", "left", "space", "return", "num_1", "f1")
