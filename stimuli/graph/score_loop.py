@@ -65,70 +65,94 @@ class Aim(NamedTuple):
     avoid_weight: Array
     joints: npt.NDArray[np.float32]  # (F, K, 3) of every joint in the torso frame, or none
     reach: npt.NDArray[np.float32]  # (F,) how far over the floor the farthest joint is
+    stops: Whole  # times up to which paths are compared while they grow, the last `frames`
+    effort: Whole  # (4,) beam, walks, patience, of ten climbs those that begin at a kept path
     pose_at: Whole  # (H,)
     pose_clip: Whole
     pose_frame: Whole
 
 
 class Trace(NamedTuple):
-    """Where the pieces of a path lie, filled by scoring: turn, shift, first time of each."""
+    """Where the pieces of a path lie and what it costs up to each: filled by scoring.
 
-    turn: Complex  # (LONGEST,)
+    A row a piece: turn, shift, first time, cost before it, demands met before it; `style` (LONGEST
+    + 1, S) are the frames with each label so far.
+    """
+
+    turn: Complex
     shift: Complex
-    time: npt.NDArray[np.int64]  # (LONGEST + 1,)
-    style: Array  # (S,)
+    time: npt.NDArray[np.int64]  # with one more, for the end
+    total: Array
+    met: npt.NDArray[np.int64]  # (LONGEST + 1, 3) of body, joint, pose
+    style: Array
 
 
 def new_trace(aim: Aim) -> Trace:
     """Room for the trace of one path."""
+    rows = LONGEST + 1
     return Trace(
-        np.zeros(LONGEST, dtype=complex),
-        np.zeros(LONGEST, dtype=complex),
-        np.zeros(LONGEST + 1, dtype=np.int64),
-        np.zeros(len(aim.style_from)),
+        np.zeros(rows, dtype=complex),
+        np.zeros(rows, dtype=complex),
+        np.zeros(rows, dtype=np.int64),
+        np.zeros(rows),
+        np.zeros((rows, 3), dtype=np.int64),
+        np.zeros((rows, len(aim.style_from))),
     )
 
 
 @compiled(nogil=True)
 def score_path(
-    space: Space, aim: Aim, path: Whole, count: int, bound: float, trace: Trace
-) -> tuple[float, int]:
+    space: Space, aim: Aim, path: Whole, count: int, frames: int, bound: float,
+    begun: Trace, since: int, trace: Trace,
+) -> tuple[float, int]:  # fmt: skip
     """S of a path of `count` nodes, infinite where it is none; and how many nodes the motion uses.
 
-    What lies beyond the demanded frames is not used. Scores above `bound` need not be exact.
+    Only its first `frames` count, and the demands on them. Scores above `bound` need not be exact.
+    What comes before piece `since` is taken from the trace `begun` of a path that begins alike.
     """
-    total, used = _pieces(space, aim, path, count, bound, trace)
+    total, used = _pieces(space, aim, path, count, frames, bound, begun, since, trace)
     if total <= bound and len(aim.avoid_kind):
+        for k in range(since):
+            trace.turn[k], trace.shift[k] = begun.turn[k], begun.shift[k]
+            trace.time[k] = begun.time[k]
         total += _avoided(space, aim, path, used, bound - total, trace)
     return total, used
 
 
 @compiled(nogil=True)
 def _pieces(
-    space: Space, aim: Aim, path: Whole, count: int, bound: float, trace: Trace
-) -> tuple[float, int]:
+    space: Space, aim: Aim, path: Whole, count: int, frames: int, bound: float,
+    begun: Trace, since: int, trace: Trace,
+) -> tuple[float, int]:  # fmt: skip
     """All terms but those of places to avoid."""
-    node = path[0]
+    node = path[since]
     clip, j = space.node_to[node], space.node_j[node]
-    at = space.first[clip] + j + 1
-    turn = aim.body_turn[0] * np.conj(space.turn[at])
-    shift = aim.body_place[0] - turn * space.place[at]
-    time, total = 0, 0.0
-    body, joint, pose = 1, 0, 0
-    trace.style[:] = 0.0
-    for k in range(count):
+    styles = len(aim.style_from)
+    if since == 0:
+        at = space.first[clip] + j + 1
+        turn = aim.body_turn[0] * np.conj(space.turn[at])
+        shift = aim.body_place[0] - turn * space.place[at]
+        time, total = 0, 0.0
+        body, joint, pose = 1, 0, 0
+        trace.style[0] = 0.0
+    else:
+        turn, shift = begun.turn[since], begun.shift[since]
+        time, total = begun.time[since], begun.total[since]
+        body, joint, pose = begun.met[since, 0], begun.met[since, 1], begun.met[since, 2]
+        trace.style[since] = begun.style[since]
+    for k in range(since, count):
         base = space.first[clip]
         last = k + 1 == count
         stop = space.frames[clip] - 1 if last else space.node_i[path[k + 1]]
         length = stop - j
         if length < 1 or (not last and space.node_from[path[k + 1]] != clip):
             return np.inf, count
-        if time + length >= aim.frames:
-            length, last = aim.frames - time, True
-        trace.turn[k], trace.shift[k], trace.time[k] = turn, shift, time
+        if time + length >= frames:
+            length, last = frames - time, True
+        trace.turn[k], trace.shift[k], trace.time[k], trace.total[k] = turn, shift, time, total
+        trace.met[k] = (body, joint, pose)
         end = time + length
-        missing = last and end < aim.frames
-        until = aim.frames if missing else end
+        until = frames if last else end
         while pose < len(aim.pose_at) and aim.pose_at[pose] < until:
             frame = j + 1 + aim.pose_at[pose] - time
             if clip != aim.pose_clip[pose] or frame != aim.pose_frame[pose]:
@@ -146,19 +170,19 @@ def _pieces(
             g = base + min(j + 1 + aim.joint_at[joint] - time, stop)
             total += _joint(space, aim, joint, g, turn, shift)
             joint += 1
-        for s in range(len(aim.style_from)):
+        for s in range(styles):
             low, high = max(aim.style_from[s], time), min(aim.style_to[s] + 1, end)
+            trace.style[k + 1, s] = trace.style[k, s]
             if low < high:
                 g = base + j + 1 - time
-                has = aim.style_count[s, g + high] - aim.style_count[s, g + low]
-                trace.style[s] += has
+                trace.style[k + 1, s] += aim.style_count[s, g + high] - aim.style_count[s, g + low]
         if total > bound:
             return total, k + 1
         time = end
         if last:
-            total += aim.frames_weight * ((aim.frames - end) / 10.0) ** 2
-            for s in range(len(aim.style_from)):
-                lacking = aim.style_to[s] + 1 - aim.style_from[s] - trace.style[s]
+            total += aim.frames_weight * ((frames - end) / 10.0) ** 2
+            for s in range(styles if frames == aim.frames else 0):
+                lacking = aim.style_to[s] + 1 - aim.style_from[s] - trace.style[k + 1, s]
                 total += aim.style_weight[s] * (lacking / 10.0) ** 2
             trace.time[k + 1] = time
             return total, k + 1
@@ -166,7 +190,7 @@ def _pieces(
         total += aim.cut_weight * space.node_cost[node]
         i, onto = base + space.node_i[node], space.node_to[node]
         j = space.node_j[node]
-        g = space.first[onto] + max(j, 0)
+        g = space.first[onto] + j
         turned = turn * space.turn[i] * np.conj(space.turn[g])
         shift = shift + turn * space.place[i] - turned * space.place[g]
         turn, clip = turned, onto
