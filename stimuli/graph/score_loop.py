@@ -66,7 +66,8 @@ class Aim(NamedTuple):
     joints: npt.NDArray[np.float32]  # (F, K, 3) of every joint in the torso frame, or none
     reach: npt.NDArray[np.float32]  # (F,) how far over the floor the farthest joint is
     stops: Whole  # times up to which paths are compared while they grow, the last `frames`
-    effort: Whole  # (4,) beam, walks, patience, of ten climbs those that begin at a kept path
+    effort: Whole  # (4,) see `aim.Effort`
+    locked: int  # nodes at the beginning of every path that may not change
     pose_at: Whole  # (H,)
     pose_clip: Whole
     pose_frame: Whole

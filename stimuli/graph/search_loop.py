@@ -17,11 +17,7 @@ from stimuli.motion.quaternions import Array
 Places = npt.NDArray[np.int64]
 Flags = npt.NDArray[np.bool_]
 
-PATIENCE = 3000  # random mutations in a row that are no better, before all are tried
 SEEDS = 40  # walks through poses of which the best is a seed
-BEAM = 4  # unfinished paths that are gone on with from a demand to the next
-WALKS = 400  # random walks from one demand to the next
-FROM_BEST = 6  # of ten climbs begin at a kept path that is shaken, the others at a new seed
 SCARCE = 1e-9  # scores that differ by less are equal
 
 
@@ -40,21 +36,26 @@ def near(space: Space, random: Random, node: int) -> int:
 
 
 @compiled(nogil=True)
-def mutated(space: Space, random: Random, path: Whole, count: int, new: Whole) -> tuple[int, int]:
+def mutated(
+    space: Space, aim: Aim, random: Random, path: Whole, count: int, new: Whole
+) -> tuple[int, int]:
     """A random mutation of a path, written to `new`: how many nodes it has, 0 where it fails.
 
     And the first piece that may be another.
     """
-    if draw(random, 2):
+    held = aim.locked
+    if count < held:
+        return 0, 0
+    if draw(random, 2) and count > held:
         new[:count] = path[:count]
-        first = draw(random, count)
+        first = held + draw(random, count - held)
         new[first] = near(space, random, path[first])
         if draw(random, 3):
-            second = draw(random, count)
+            second = held + draw(random, count - held)
             new[second] = near(space, random, path[second])
             first = min(first, second)
         return count, max(first - 1, 0)
-    p = draw(random, count + 1) - 1
+    p = held + draw(random, count + 1 - held) - 1
     q = min(p + 1 + draw(random, 1 + draw(random, 5)), count)
     return _replaced(space, random, path, count, p, q, draw(random, 5), new), max(p, 0)
 
@@ -112,7 +113,7 @@ def climb(
     tried, idle = 0, 0
     score_path(space, aim, path, count, aim.frames, np.inf, trace, 0, trace)
     while tried < most:
-        length, since = mutated(space, random, path, count, new)
+        length, since = mutated(space, aim, random, path, count, new)
         tried += 1
         idle += 1
         if length:
@@ -144,7 +145,7 @@ def best_of_all(
     best = path.copy()
     kept, least, tried = count, score, 0
     none = len(space.frames) - 1
-    for p in range(count):
+    for p in range(aim.locked, count):
         for q in range(p, count):
             for choice in range(4 if q > p else 2):
                 if not _demoted(space, path, count, p, q, choice, new):
@@ -156,7 +157,7 @@ def best_of_all(
                 if value < least - SCARCE:
                     least, kept = value, used
                     best[:used] = new[:used]
-    for p in range(-1, count):
+    for p in range(aim.locked - 1, count):
         for q in range(p + 1, count + 1):
             left = none if p < 0 else space.node_to[path[p]]
             new[: p + 1] = path[: p + 1]
@@ -216,7 +217,7 @@ def shaken(space: Space, aim: Aim, random: Random, path: Whole, count: int, trac
     value = np.inf
     for _ in range(1 + draw(random, 3)):
         for _ in range(50):
-            length, _ = mutated(space, random, path, count, new)
+            length, _ = mutated(space, aim, random, path, count, new)
             if length == 0:
                 continue
             found, used = score_path(space, aim, new, length, aim.frames, np.inf, trace, 0, trace)
@@ -333,7 +334,10 @@ def _begun(
         current[:] = kept[chosen]
         if draw(random, 3) == 0 or len(reached):
             return shaken(space, aim, random, current, counts[chosen], trace)
-        count = draw(random, counts[chosen])
+        count = aim.locked + draw(random, max(counts[chosen] - aim.locked, 1))
+    elif aim.locked:
+        current[:] = kept[0]
+        count = aim.locked
     if len(reached) == 0:
         return grown(space, aim, random, current, count, trace, spare)
     least, best = np.inf, 0
