@@ -14,8 +14,7 @@ ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = ("stimuli", "study", "analysis")
 # From the ground up: a module imports from its own floor and those below it.
 FLOORS = (
-    ("stimuli.compiled", "stimuli.errors", "stimuli.files", "stimuli.places",
-     "stimuli.ties"),
+    ("stimuli.compiled", "stimuli.errors", "stimuli.files", "stimuli.places", "stimuli.ties"),
     ("stimuli.motion",),
     ("stimuli.transition",),
     ("stimuli.collection",),

@@ -7,6 +7,15 @@ poses of clips that lie anywhere are compared (Arikan and Forsyth 2002, appendix
 
 from stimuli.collection.annotations import annotated
 from stimuli.collection.gather import Collection, gather
+from stimuli.collection.select import collected
 from stimuli.collection.torso import Floor, floor_frames, torso_features
 
-__all__ = ["Collection", "Floor", "annotated", "floor_frames", "gather", "torso_features"]
+__all__ = [
+    "Collection",
+    "Floor",
+    "annotated",
+    "collected",
+    "floor_frames",
+    "gather",
+    "torso_features",
+]

@@ -49,7 +49,10 @@ def _pose_faults(demand: Demand, collection: Collection) -> Iterator[Wrong]:
     clip = demand["clip"]
     if clip not in collection.names:
         known = ", ".join(collection.names[:8])
-        yield (*demand.path, "clip"), f"expected a clip of the collection ({known} …), found {clip!r}"
+        yield (
+            (*demand.path, "clip"),
+            f"expected a clip of the collection ({known} …), found {clip!r}",
+        )
         return
     last = len(collection.motions[collection.place(clip)]) - 1
     if demand["frame"] > last:

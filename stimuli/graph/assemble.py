@@ -1,6 +1,6 @@
 """The motion of a plan (section 4.2.3): pieces one behind the other, cuts smoothed, demands met."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 
 import numpy as np
@@ -49,6 +49,14 @@ def assembled(
     motion, _ = put_together(begun, others, CUTTINGS[joining], foot_lock)
     motion = motion[: plan.frames]
     return motion if joining == "cut" else _brought(motion, plan)
+
+
+def way_motion(way: Sequence[Stretch], collection: Collection) -> Motion:
+    """The motion of a way from one frame to another, its cuts smoothed."""
+    first, *others = (_piece(piece, collection) for piece in way)
+    begun = first.motion[first.first : first.last + 1]
+    motion, _ = put_together(begun, others)
+    return motion[: sum(map(len, way))]
 
 
 def _piece(stretch: Stretch, collection: Collection) -> Piece:

@@ -49,7 +49,7 @@ class Demands:
     frames: int
     demands: tuple[Demand, ...]
     weights: Mapping[str, float] = field(
-        default_factory=lambda: MappingProxyType({name: 1.0 for name in WEIGHTS_OF})
+        default_factory=lambda: MappingProxyType(dict.fromkeys(WEIGHTS_OF, 1.0))
     )
 
     def of(self, kind: str) -> list[Demand]:

@@ -93,7 +93,11 @@ def _laid_out(
         rows.append(int(collection.starts[piece.clip]) + np.arange(piece.first, piece.last + 1))
         end_turn, end_place = turns[-1][-1], places[-1][-1]
     over = np.concatenate(places)
-    return np.stack([over.imag, over.real], axis=1), np.angle(np.concatenate(turns)), np.concatenate(rows)
+    return (
+        np.stack([over.imag, over.real], axis=1),
+        np.angle(np.concatenate(turns)),
+        np.concatenate(rows),
+    )
 
 
 def _body(
@@ -183,8 +187,6 @@ def document_of(plan: Plan, names: Sequence[str], **more: Any) -> dict[str, Any]
             {"clip": names[p.clip], "from_frame": p.first, "to_frame": p.last, "cut_cost": p.cost}
             for p in plan.pieces
         ],
-        "demands": [
-            {"kind": demand.kind, **demand.values} for demand in plan.demands.demands
-        ],
+        "demands": [{"kind": demand.kind, **demand.values} for demand in plan.demands.demands],
         **more,
     }

@@ -217,9 +217,7 @@ def _joint(space: Space, aim: Aim, joint: int, g: int, turn: complex, shift: com
 
 
 @compiled(nogil=True)
-def _avoided(
-    space: Space, aim: Aim, path: Whole, used: int, bound: float, trace: Trace
-) -> float:
+def _avoided(space: Space, aim: Aim, path: Whole, used: int, bound: float, trace: Trace) -> float:
     """What frames cost in which a joint is where none may be: three like ten too many."""
     total = 0.0
     for a in range(len(aim.avoid_kind)):
@@ -244,9 +242,7 @@ def _enters(space: Space, aim: Aim, a: int, g: int, turn: complex, shift: comple
     if aim.avoid_kind[a] == 0:
         if (x - shape[0]) ** 2 + (z - shape[1]) ** 2 > (shape[2] + reach) ** 2:
             return False
-    elif not (
-        shape[0] - reach < x < shape[3] + reach and shape[2] - reach < z < shape[5] + reach
-    ):
+    elif not (shape[0] - reach < x < shape[3] + reach and shape[2] - reach < z < shape[5] + reach):
         return False
     facing = turn * space.turn[g]
     for k in range(aim.joints.shape[1]):
@@ -256,8 +252,6 @@ def _enters(space: Space, aim: Aim, a: int, g: int, turn: complex, shift: comple
         if aim.avoid_kind[a] == 0:
             if (x - shape[0]) ** 2 + (z - shape[1]) ** 2 < shape[2] ** 2:
                 return True
-        elif (
-            shape[0] < x < shape[3] and shape[1] < local[1] < shape[4] and shape[2] < z < shape[5]
-        ):
+        elif shape[0] < x < shape[3] and shape[1] < local[1] < shape[4] and shape[2] < z < shape[5]:
             return True
     return False

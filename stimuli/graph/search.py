@@ -89,9 +89,7 @@ class Search:
                 return False
         return True
 
-    def _work(
-        self, crew: Crew, goal: int | None, end: float | None, stop: threading.Event
-    ) -> None:
+    def _work(self, crew: Crew, goal: int | None, end: float | None, stop: threading.Event) -> None:
         from stimuli.graph.search_loop import search_on
 
         while not stop.is_set():
@@ -204,8 +202,8 @@ def _locked(pieces: Sequence[Stretch], until: int) -> int:
 
 def _given(crew: Crew, path: np.ndarray, space: Space, aim: Aim) -> None:
     """An earlier answer as what the crew climbs from, and as the first that it keeps."""
-    from stimuli.graph.search_loop import keep
     from stimuli.graph.score_loop import score_path
+    from stimuli.graph.search_loop import keep
 
     crew.current[: len(path)] = path
     score, used = score_path(

@@ -125,9 +125,7 @@ def climb(
                 count, score, idle = used, value, 0
                 score_path(space, aim, path, count, aim.frames, np.inf, trace, 0, trace)
         if idle >= aim.effort[2]:
-            count, better, spent = best_of_all(
-                space, aim, path, count, score, new, trace, spare
-            )
+            count, better, spent = best_of_all(space, aim, path, count, score, new, trace, spare)
             tried += spent
             if better >= score - SCARCE:
                 return count, score, tried, True
@@ -252,7 +250,14 @@ def search_on(
             if counts[last] == 0:
                 continue
         count, score, spent, least = climb(
-            space, aim, random, current, counts[last], scores[last], most - tried, trace,
+            space,
+            aim,
+            random,
+            current,
+            counts[last],
+            scores[last],
+            most - tried,
+            trace,
             spare,
         )
         counts[last], scores[last] = count, score
@@ -279,7 +284,10 @@ def grown(
     for stop in aim.stops:
         if count and stop <= before + 1:
             continue
-        ahead, lengths = np.empty((aim.effort[0], LONGEST), np.int32), np.zeros(aim.effort[0], np.int64)
+        ahead, lengths = (
+            np.empty((aim.effort[0], LONGEST), np.int32),
+            np.zeros(aim.effort[0], np.int64),
+        )
         scores = np.full(aim.effort[0], np.inf)
         for b in range(many):
             had = counts[b]

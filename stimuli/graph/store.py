@@ -81,7 +81,9 @@ def _fault(head: dict[str, Any], arrays: dict[str, np.ndarray]) -> str | None:
     if not isinstance(head.get("tau"), float) or not isinstance(head.get("collection"), str):
         return "no settings"
     for name, kind in ARRAYS.items():
-        if arrays[name].dtype != np.dtype(f"<{kind}") or arrays[name].ndim != 1 + (name == "labels"):
+        if arrays[name].dtype != np.dtype(f"<{kind}") or arrays[name].ndim != 1 + (
+            name == "labels"
+        ):
             return f"{name} of another type"
     nodes, roots = len(arrays["right"]), len(arrays["roots"])
     sizes = {"labels": nodes, "leaf": nodes, "root_from": roots, "root_to": roots,

@@ -128,7 +128,14 @@ def walk_to_poses(
             return 0
         g = after
     return random_walk(
-        space, random, path, count, entered(space, path, count), aim.pose_at[-1] + 1, aim.frames, False
+        space,
+        random,
+        path,
+        count,
+        entered(space, path, count),
+        aim.pose_at[-1] + 1,
+        aim.frames,
+        False,
     )
 
 

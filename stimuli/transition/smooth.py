@@ -36,9 +36,7 @@ def smoothed_cut(
     The first `keep` frames of A stay as they are. `b` is on the skeleton of `a`.
     """
     b = aligned(a, b, i, j)
-    rise, fall = smoothing(
-        max(min(spread, i + 1 - keep), 0), min(spread, len(b) - 1 - j)
-    )
+    rise, fall = smoothing(max(min(spread, i + 1 - keep), 0), min(spread, len(b) - 1 - j))
     cut = spliced(a, b, i + 1, j + 1, a.rotations[:0], a.root[:0])
     jump = quat.log(quat.shorter(quat.multiply(quat.inverse(a.rotations[i]), b.rotations[j])))
     rows = slice(i + 1 - len(rise), i + 1 + len(fall))

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from stimuli.motion import Library, Motion
+    from stimuli.motion import Library
     from stimuli.transition import Transition
 
 
@@ -59,13 +59,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     from study.cli.clips import names_frame, open_library
     from study.cli.common import check_outputs, print_json
+    from study.cli.writing import MOTION_FILES, write_motion
 
-    writers = {".bvh": _write_bvh, ".mp4": _write_video, ".mkv": _write_video}
-    check_outputs(("--out", args.out, tuple(writers)))
+    check_outputs(("--out", args.out, MOTION_FILES))
     framed = names_frame(args.from_point) or names_frame(args.to_point)
     join = _join if framed or args.method != "cut" else _best_cut
     joined, (i, j) = join(args, open_library(args.motions))
-    writers[args.out.suffix.lower()](joined.motion, args.out)
+    write_motion(joined.motion, args.out)
     if args.json:
         print_json(
             {
@@ -145,15 +145,3 @@ def _best_cut(args: argparse.Namespace, library: "Library") -> tuple["Transition
     frames = round((args.seconds or _SECONDS) * a.motion.fps)
     joined, point = best_cut(a.motion, b.motion, weights, frames, specification=args.specification)
     return joined, (point.i, point.j)
-
-
-def _write_bvh(motion: "Motion", path: Path) -> None:
-    from stimuli.motion.formats.bvh_write import write_bvh
-
-    write_bvh(motion, path)
-
-
-def _write_video(motion: "Motion", path: Path) -> None:
-    from stimuli.render import write_clip
-
-    write_clip(motion, path)

@@ -1,0 +1,75 @@
+"""The collection and the graph that a `segue graph` command works on: found, else built."""
+
+import argparse
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from study.cli.common import add_motions_option, argument, progress
+
+if TYPE_CHECKING:
+    from stimuli.collection import Collection
+    from stimuli.graph import MotionGraph
+
+TAU = argument(float, "a number above 0", lambda x: 0 < x < float("inf"))
+
+
+def add_collection_options(parser: argparse.ArgumentParser) -> None:
+    """Which clips, how near frames must be to be joined, and a graph's file."""
+    add_motions_option(parser)
+    parser.add_argument(
+        "--clips", action="append", metavar="PATTERN",
+        help='only clips of such names, as "16_*" (repeatable; default: all)',
+    )  # fmt: skip
+    parser.add_argument(
+        "--tau", type=TAU, default=1.0, help="cost below which frames may be joined (default 1)"
+    )
+    parser.add_argument("--debug", action="store_true", help=argparse.SUPPRESS)
+
+
+def open_collection(args: argparse.Namespace) -> "Collection":
+    """The clips of the command line as one collection; what is left out is said."""
+    from stimuli.collection import collected
+    from study.cli.clips import open_library
+
+    library = open_library(args.motions)
+
+    def tell(note: str) -> None:
+        print(note, file=sys.stderr)
+
+    with progress(None, "reading clips") as step:
+        collection = collected(library, args.clips or ("*",), tell, step)
+    for remark in collection.remarks:
+        tell(f"warning: {remark}")
+    return collection
+
+
+def open_graph(args: argparse.Namespace) -> tuple["Collection", "MotionGraph"]:
+    """The collection and its graph: that of `--graph`, else the one kept, else built and kept."""
+    from stimuli.graph import graph_place, read_graph
+
+    collection = open_collection(args)
+    if args.graph is not None:
+        return collection, read_graph(args.graph, collection)
+    place = graph_place(collection, args.tau)
+    if place.is_file():
+        return collection, read_graph(place, collection)
+    return collection, made_graph(collection, args.tau, place)
+
+
+def made_graph(
+    collection: "Collection", tau: float, place: Path, scheduler: str | None = None
+) -> "MotionGraph":
+    """A graph built, on a cluster where one is named, and written to its place."""
+    from stimuli.files import check_writable
+    from stimuli.graph import build_graph, on_scheduler, write_graph
+
+    check_writable(place)
+    with progress(len(collection), "building the graph") as step:
+        if scheduler is None:
+            graph = build_graph(collection, tau, progress=step)
+        else:
+            with on_scheduler(scheduler) as mapped:
+                graph = build_graph(collection, tau, mapped=mapped, progress=step)
+    write_graph(graph, place)
+    return graph
