@@ -1,5 +1,6 @@
 """The README's commands, run as they are printed, in its order."""
 
+import csv
 import os
 import re
 import subprocess
@@ -113,9 +114,15 @@ def answer_all(process: subprocess.Popen[str]) -> None:
         time.sleep(0.2)
 
 
+def counted(record: Path) -> int:
+    """Trials that count: a busy machine shows some late, which are asked again."""
+    with record.open(encoding="utf-8", newline="") as stream:
+        return sum(row["void"] == "0" for row in csv.DictReader(stream, delimiter="\t"))
+
+
 def test_the_study_of_ones_own_leaves_a_record_and_a_report(place: Path) -> None:
     assert (place / "data/derivatives/segue/report.html").is_file()
     rehearsed = place / "data/sub-p00/beh/sub-p00_task-mine_run-1_beh.tsv"
-    assert len(rehearsed.read_text().splitlines()) == 2
+    assert counted(rehearsed) == 1
     session = place / "data/sub-p01/beh/sub-p01_task-mine_run-1_beh.tsv"
-    assert len(session.read_text().splitlines()) == 11
+    assert counted(session) == 10

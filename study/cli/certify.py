@@ -115,8 +115,10 @@ def describe(entry: dict[str, Any]) -> str:
         lines.append(f"{name}: {held['share']:.3f} of trials "
                      f"({held['least']:.2f} to {held['most']:.2f} in a session)")  # fmt: skip
     for row in entry.get("staircases", []):
-        lines.append(f"staircase {row['motion']}/{row['side']} ({row['rule']}): settles at a "
-                     f"proportion of {row['target']:.4f}")  # fmt: skip
+        where = "goes where answers tell most"
+        if row["target"] is not None:
+            where = f"settles at a proportion of {row['target']:.4f}"
+        lines.append(f"staircase {row['motion']}/{row['side']} ({row['rule']}): {where}")
     for row in entry.get("thresholds", []):
         lines.append(
             f"threshold {row['side']} {row['truth']:+g}: fit {_spread(row['fit'])}, reversals "

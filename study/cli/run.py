@@ -33,15 +33,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Run the session; 1 when somebody left it."""
-    from stimuli.errors import InputError, UnwritableError
+    from stimuli.errors import InputError
     from study.protocol.rendered import check_rendered
     from study.protocol.sets import references_of_manifest
-    from study.record.table import NotKeptError
-    from study.screen.opening import open_window
     from study.screen.priority import PERMIT, may_have_priority
     from study.screen.virtual import has_screen
-    from study.session.lab import Request, check, run_session
-    from study.session.stage import ScreenLostError, SessionLeft
+    from study.session.lab import Request, check
     from study.trials.reading import load_protocol
 
     protocol = load_protocol(args.protocol)
@@ -72,17 +69,31 @@ def run(args: argparse.Namespace) -> int:
             file=sys.stderr,
         )
     _ask_person(args)
+    record = _conducted(args, request, protocol, manifest)
+    if record is None:
+        return 1
+    _ask_comments(args)
+    print(f"record: {record.path}")
+    return 0
+
+
+def _conducted(args: argparse.Namespace, request: Any, protocol: Any, manifest: Any) -> Any:
+    """The record of a session that came to its end; None when it did not, and it is said why."""
+    from stimuli.errors import UnwritableError
+    from study.record.table import NotKeptError
+    from study.screen.opening import open_window
+    from study.session.lab import run_session
+    from study.session.stage import ScreenLostError, SessionLeft
+
     go_on = f"go on with: {_resume_command(args)}"
     try:
-        record = run_session(
+        return run_session(
             request, protocol, manifest, lambda record: _resume(args, record), open_window
         )
     except (SessionLeft, KeyboardInterrupt):
         print(f"left; {go_on}", file=sys.stderr)
-        return 1
     except ScreenLostError:
         print(request.lost, file=sys.stderr)
-        return 1
     except (NotKeptError, UnwritableError) as error:
         begun = any(args.data.glob(f"sub-{args.participant}/beh/*_beh.tsv"))
         kept = "all answers before it are kept" if begun else "nothing was answered yet"
@@ -91,10 +102,7 @@ def run(args: argparse.Namespace) -> int:
             f"See that there is room to write, and {go_on}",
             file=sys.stderr,
         )
-        return 1
-    _ask_comments(args)
-    print(f"record: {record.path}")
-    return 0
+    return None
 
 
 def _stimuli(args: argparse.Namespace, protocol: Any) -> Any:

@@ -151,6 +151,7 @@ def _of_wholes(document: Mapping[str, Any]) -> Iterator[Fault]:
     yield from _lengths(document)
     yield from _methods(document)
     yield from _keys(document)
+    yield from _voids(document)
     yield from _functions(document)
 
 
@@ -225,6 +226,18 @@ def _keys(document: Mapping[str, Any]) -> Iterator[Fault]:
         twins = [other for other, its in meanings.items() if its == key and other != name]
         if twins:
             yield Fault(("keys", name), f"expected a key of its own, found that of {twins[0]}")
+
+
+def _voids(document: Mapping[str, Any]) -> Iterator[Fault]:
+    """A number of late frames belongs to the rule that counts them."""
+    table = table_at(document, "presentation")
+    counts, given = table.get("void") == "late-frames", "late_frames_allowed" in table
+    if given and not counts:
+        message = 'only void = "late-frames" counts them; say so, or remove it'
+        yield Fault(("presentation", "late_frames_allowed"), message)
+    if counts and not given:
+        message = "expected late_frames_allowed, the most that a trial may have; add it"
+        yield Fault(("presentation", "void"), message)
 
 
 def _no_key(key: str) -> str:

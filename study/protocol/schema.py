@@ -70,13 +70,19 @@ class AppearanceTable(TomlTable):
 
 
 class Presentation(TomlTable):
-    """How a trial is put on the screen."""
+    """How a trial is put on the screen, and when it was shown too badly to count.
+
+    `void` is a late frame in what a blend mixes, or more than `late_frames_allowed` in all.
+    `slow_screen_allowed` lets a screen through that has fewer refreshes than the clips frames.
+    """
 
     layout: Literal["side-by-side", "one-after-other"] | None = None
     gap: Annotated[float, Field(ge=0, le=10)] = 0.5
     answer_seconds: Positive | None = None
     clip_height: Annotated[float, Field(gt=0, le=1)] = 0.6
-    late_frames_allowed: Annotated[int, Field(ge=0)] = 3
+    void: Literal["late-in-blend", "late-frames", "never"] = "late-in-blend"
+    late_frames_allowed: Annotated[int, Field(ge=0)] | None = None
+    slow_screen_allowed: bool = False
     feedback_in_practice: bool = True
 
 

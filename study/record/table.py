@@ -25,7 +25,7 @@ COMMON: Mapping[str, str] = {
     "onset": "seconds from the session's first flip to the trial's first frame",
     "response": "the answer given",
     "response_time": "seconds from the flip of the trial's last frame to the key",
-    "late_frames": "frames shown later than one screen refresh after they were due",
+    "late_frames": "frames shown more than half a screen refresh after they were due",
     "void": "1 when the trial was shown too late to count, else 0",
     "clip_a": "hash of the first clip named by the task",
     "clip_b": "hash of the second clip named by the task",

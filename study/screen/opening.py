@@ -1,13 +1,15 @@
 """From a session's request to its window: which clips, which keys, what background."""
 
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stimuli.errors import InputError
+from stimuli.errors import InputError, InputWarning
 from study.screen.clips import ClipCache, Frames
 from study.screen.lost import tell_when_lost
+from study.screen.refresh import notes_on
 from study.screen.window import Look, WindowStage
-from study.session.lab import Request, clips_of, entry
+from study.session.lab import Request, clips_of, entry, shown_frames
 from study.trials.plan import Plan
 from study.trials.tasks import Task
 
@@ -20,9 +22,8 @@ def open_window(
 ) -> WindowStage:
     """The window of a session, open, its background that of the clips."""
     file = plan.protocol.file
-    seconds = min(file.rehearsal.seconds, manifest.seconds) if plan.rehearsal else manifest.seconds
-    count = round(seconds * manifest.fps)
-    clips = ClipCache(lambda key: middle_of(_whole(entry(manifest, key)), count))
+    start, count = shown_frames(plan, manifest)
+    clips = ClipCache(lambda key: _whole(entry(manifest, key))[start : start + count])
     first = clips_of(plan)[0]
     corner = clips.frames([first])[first][0, 0, 0]
     look = Look(
@@ -36,6 +37,13 @@ def open_window(
         simulated=request.observer == "simulated",
     )
     stage = WindowStage(look, clips, flip_log, request.screen, request.windowed)
+    try:
+        allowed = file.presentation.slow_screen_allowed
+        for note in notes_on(stage.refresh, look.fps, allowed, look.pace):
+            warnings.warn(note, InputWarning, stacklevel=2)
+    except InputError:
+        stage.close()
+        raise
     tell_when_lost(request.lost)
     return stage
 
@@ -51,9 +59,3 @@ def _whole(clip: Any) -> Frames:
             "Build the stimulus set again with segue render"
         )
     return frames
-
-
-def middle_of(frames: Frames, count: int) -> Frames:
-    """`count` of a clip's frames (F, H, W, 3) around its middle, where the transition is."""
-    first = max((len(frames) - count) // 2, 0)
-    return frames[first : first + count]

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 NOMINAL_REFRESH = 60.0
+LATE = 0.5  # refreshes
 
 
 class Due(NamedTuple):
@@ -35,13 +36,32 @@ def last_refresh(frames: int, fps: float, refresh_rate: float, pace: float = 1.0
     return max(round(frames * refresh_rate / (fps * pace)), 1)
 
 
-def late_frames(dues: Sequence[Due], flips: Sequence[float], refresh_rate: float) -> int:
-    """How many frames were flipped more than one refresh after they were due.
+def frames_late(dues: Sequence[Due], flips: Sequence[float], refresh_rate: float) -> list[int]:
+    """The clip frames that were flipped more than half a refresh after they were due.
 
-    `flips` are seconds, one for each entry of `dues`; the first is the time origin.
+    A screen shows a frame at a refresh or at the next: halfway lies what neither is near, so that
+    the jitter of a clock decides nothing. `flips` are seconds, one for each entry of `dues`; the
+    first is the time origin.
     """
-    limit = 1.0 / refresh_rate
-    return sum(
-        flip - flips[0] - due.refresh / refresh_rate > limit + 1e-9
+    limit = LATE / refresh_rate
+    return [
+        due.frame
         for due, flip in zip(dues, flips, strict=True)
-    )
+        if flip - flips[0] - due.refresh / refresh_rate > limit
+    ]
+
+
+def late_frames(dues: Sequence[Due], flips: Sequence[float], refresh_rate: float) -> int:
+    """How many frames came late (see `frames_late`)."""
+    return len(frames_late(dues, flips, refresh_rate))
+
+
+def never_shown(fps: float, refresh_rate: float) -> float:
+    """The share of a clip's frames that a screen slower than the clip has no refresh for."""
+    return max(0.0, 1 - refresh_rate / fps)
+
+
+def divides(fps: float, refresh_rate: float) -> bool:
+    """Whether each frame of a clip lasts equally many refreshes, to a hundredth of one."""
+    ratio = refresh_rate / fps
+    return abs(ratio - round(ratio)) < 0.01 and ratio > 0.99

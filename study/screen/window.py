@@ -7,15 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from stimuli.errors import InputError, MachineError, UnwritableError
 from study.protocol.schema import Keys
 from study.screen.clips import ClipCache, Frames
 from study.screen.home import writable_home
 from study.screen.keyboards import open_keyboard
 from study.screen.panel import Panel
-from study.screen.schedule import NOMINAL_REFRESH, Due, last_refresh, late_frames, schedule
+from study.screen.refresh import Refresh, refresh_of
+from study.screen.schedule import Due, frames_late, last_refresh, schedule
 from study.session.stage import Answer, Presented, SessionLeft
 from study.trials.tasks import Screens
 
@@ -54,12 +53,17 @@ class WindowStage:
         with writable_home():
             self._window = _open_window(screen, windowed, look.background)
             self._keyboard = open_keyboard(self._window)
-        self._refresh = _refresh_rate(self._window)
-        self._paced = self._refresh is None
-        self._rate = self._refresh or NOMINAL_REFRESH
+        self._refresh = refresh_of(self._window)
+        self._paced = not self._refresh.vsync
+        self._rate = self._refresh.rate
         self._panels: dict[tuple[int, int, tuple[int, ...]], Panel] = {}
         self._zero: float | None = None
         self._zero_wall: float | None = None
+
+    @property
+    def refresh(self) -> Refresh:
+        """The rates of the screen."""
+        return self._refresh
 
     def first_flip(self) -> float | None:
         """Unix time of this stage's first flip, None before it."""
@@ -70,8 +74,7 @@ class WindowStage:
         return {
             "kind": "psychopy",
             "size": [int(v) for v in self._window.size],
-            "refresh_rate": None if self._refresh is None else round(self._refresh, 3),
-            "paced_at": round(self._rate, 3),
+            **self._refresh.facts(),
             "fullscreen": bool(self._window._isFullScr),
             "keyboard": self._keyboard.timing()["keyboard"],
         }
@@ -102,15 +105,16 @@ class WindowStage:
         """Show each screen's clips in step; all are decoded before the first frame."""
         clips = self._clips.frames(key for keys in screens for key in keys)
         decoded = [[clips[key] for key in keys] for keys in screens]
-        onset, late = 0.0, 0
+        onset = 0.0
+        late: list[tuple[int, ...]] = []
         for n, frames in enumerate(decoded):
             self._text(str(n + 1) if len(decoded) > 1 else "+")
             self._wait(self._look.gap / self._look.pace)
             self._leave_on_quit()
-            start, count = self._play(frames, f"{label} screen {n + 1}")
+            start, slow = self._play(frames, f"{label} screen {n + 1}")
             onset = start if n == 0 else onset
-            late += count
-        return Presented(onset, late)
+            late.append(slow)
+        return Presented(onset, None if self._look.pace > 1 else tuple(late))
 
     def ask(self, question: str, seconds: float | None, planned: Answer | None) -> Answer:
         """Put the question; keys count from the flip of the last frame on."""
@@ -136,8 +140,8 @@ class WindowStage:
         self._keyboard.close()
         self._window.close()
 
-    def _play(self, clips: Sequence[Frames], label: str) -> tuple[float, int]:
-        """Show clips of equal length together; returns the onset and the late frames."""
+    def _play(self, clips: Sequence[Frames], label: str) -> tuple[float, tuple[int, ...]]:
+        """Show clips of equal length together; returns the onset and which frames came late."""
         count = min(len(frames) for frames in clips)
         look, size = self._look, tuple(int(v) for v in self._window.size)
         dues = schedule(count, look.fps, self._rate, look.pace)
@@ -154,7 +158,7 @@ class WindowStage:
             flips.append(self._flip())
         end = last_refresh(count, look.fps, self._rate, look.pace)
         self._sleep_until(flips[0] + end / self._rate)
-        late = late_frames(dues, flips, self._rate)
+        late = tuple(frames_late(dues, flips, self._rate))
         self._log(label, dues, flips)
         assert self._zero is not None
         return flips[0] - self._zero, late
@@ -290,17 +294,3 @@ def check_screen(screen: int) -> None:
             f"--screen {screen}: expected a screen that is there, found {there};\n"
             "leave --screen out, or connect the other and let the system extend the desktop to it"
         )
-
-
-def _refresh_rate(window: Any) -> float | None:
-    """The screen's rate (Hz) as measured, where the system confirms it; None without one.
-
-    A virtual screen shows every flip at once; the session then paces itself.
-    """
-    mode = window.winHandle.screen.get_mode()
-    stated = float(getattr(mode, "rate", 0) or 0)
-    if stated <= 0:
-        return None
-    measured = window.getActualFrameRate(infoMsg="")
-    agrees = measured is not None and np.isclose(measured, stated, rtol=0.03)
-    return float(measured) if agrees else stated

@@ -3,12 +3,14 @@
 import warnings
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from functools import partial
+from typing import Any, NamedTuple
 
 from stimuli.errors import InputError, InputWarning
 from study.record.table import Record, as_number, as_whole
 from study.session.progress import Progress, advance, begin, may_void, next_trial, pause_due
 from study.session.stage import Answer, Stage
+from study.session.voids import VOID, VoidRule
 from study.trials.observers import Simulated
 from study.trials.plan import Plan
 from study.trials.tasks import Screens, Task
@@ -21,19 +23,28 @@ TOO_SLOW = (
 )
 PAUSE = "Take a short break. Press {go_on} to go on."
 CORRECT, WRONG = "right", "not this time"
-Hash = Callable[[ClipKey], str | None]
+
+
+class ShownClip(NamedTuple):
+    """A clip as it is shown: the hash that names it, the first and last frame of its blend."""
+
+    hash: str | None = None
+    blend: tuple[int, int] | None = None
+
+
+Clips = Callable[[ClipKey], ShownClip]
 
 
 @dataclass(frozen=True)
 class Settings:
-    """How a session is shown: screen texts, answer window, tolerance, offset of the clock."""
+    """How a session is shown: screen texts, answer window, what makes a trial void."""
 
     question: str
     welcome: str
     thanks: str
     pause: str
     answer_seconds: float | None
-    late_frames_allowed: int
+    is_void: VoidRule
     feedback: bool
     layout: str | None
 
@@ -54,21 +65,21 @@ def settings_of(plan: Plan, task: Task) -> Settings:
         thanks=file.instructions.thanks,
         pause=file.instructions.pause or PAUSE.format(**named),
         answer_seconds=seconds,
-        late_frames_allowed=file.presentation.late_frames_allowed,
+        is_void=partial(VOID[file.presentation.void], file.presentation.late_frames_allowed or 0),
         feedback=file.presentation.feedback_in_practice,
         layout=None if file.presentation.layout == task.layout else file.presentation.layout,
     )
 
 
 def rows_of_plan(
-    plan: Plan, stage: Stage, observer: Simulated, clip_hash: Hash
+    plan: Plan, stage: Stage, observer: Simulated, clips: Clips
 ) -> Iterable[tuple[Trial, dict[str, Any]]]:
     """A whole session of a simulated observer, trial by trial, without a record."""
     progress = begin(plan)
     settings = settings_of(plan, progress.task)
-    while (step := _trial(progress, stage, settings, observer)) is not None:
-        trial, outcome, progress = step
-        yield trial, row_of(progress.task, trial, outcome, clip_hash)
+    while (step := _trial(progress, stage, settings, observer, clips)) is not None:
+        trial, outcome, progress, _ = step
+        yield trial, row_of(progress.task, trial, outcome, clips)
 
 
 def run(
@@ -76,7 +87,7 @@ def run(
     stage: Stage,
     record: Record,
     observer: Simulated | None,
-    clip_hash: Hash,
+    clips: Clips,
 ) -> Progress:
     """Run or go on with a session; every answer is on the disk before the next trial starts.
 
@@ -90,11 +101,12 @@ def run(
     stage.tell(settings.welcome)
     _note_timing(record, stage, earlier)
     since_first = _since_first_flip(stage, record)
-    while (step := _trial(progress, stage, settings, observer, since_first)) is not None:
+    while (step := _trial(progress, stage, settings, observer, clips, since_first)) is not None:
         before = progress
-        trial, outcome, progress = step
-        record.append(row_of(task, trial, outcome, clip_hash))
-        _warn_when_slow(record, trial, outcome, settings)
+        trial, outcome, progress, bad = step
+        record.append(row_of(task, trial, outcome, clips))
+        if bad and trial.phase == "main" and not outcome.void:
+            _warn_when_slow(record)
         if trial.phase == "practice" and settings.feedback and task.catch:
             right = task.correct(trial.content, outcome.response)
             stage.flash(CORRECT if right else WRONG)
@@ -111,9 +123,10 @@ def _trial(
     stage: Stage,
     settings: Settings,
     observer: Simulated | None,
+    clips: Clips,
     since_first: float = 0.0,
-) -> tuple[Trial, Outcome, Progress] | None:
-    """Show one trial and take its answer."""
+) -> tuple[Trial, Outcome, Progress, bool] | None:
+    """Show one trial and take its answer; says too whether it was shown too badly to count."""
     drawn = next_trial(progress)
     if drawn is None:
         return None
@@ -125,15 +138,17 @@ def _trial(
     screens = arrange(progress.task.screens(trial.content), settings.layout)
     shown = stage.present(screens, f"trial {trial.number}")
     answer = stage.ask(settings.question, settings.answer_seconds, planned)
-    late = shown.late_frames > settings.late_frames_allowed
+    bad = shown.late is not None and settings.is_void(
+        shown.late, [[clips(key).blend for key in keys] for keys in screens]
+    )
     outcome = Outcome(
         response=answer.response,
         response_time=answer.response_time,
         onset=shown.onset + since_first,
-        late_frames=shown.late_frames,
-        void=late and may_void(progress, trial, card),
+        late_frames=None if shown.late is None else sum(map(len, shown.late)),
+        void=bad and may_void(progress, trial, card),
     )
-    return trial, outcome, advance(progress, trial, card, outcome)
+    return trial, outcome, advance(progress, trial, card, outcome), bad
 
 
 def arrange(screens: Screens, layout: str | None) -> Screens:
@@ -163,15 +178,14 @@ def _since_first_flip(stage: Stage, record: Record) -> float:
     return flipped - float(record.sidecar["FirstFlip"])
 
 
-def _warn_when_slow(record: Record, trial: Trial, outcome: Outcome, settings: Settings) -> None:
+def _warn_when_slow(record: Record) -> None:
     """Say once, aloud and in the sidecar, that late trials are no longer asked again."""
-    late = outcome.late_frames > settings.late_frames_allowed and trial.phase == "main"
-    if late and not outcome.void and not record.sidecar.get("TooSlow"):
+    if not record.sidecar.get("TooSlow"):
         record.save_sidecar(TooSlow=True)
         warnings.warn(TOO_SLOW, InputWarning, stacklevel=2)
 
 
-def row_of(task: Task, trial: Trial, outcome: Outcome, clip_hash: Hash) -> dict[str, Any]:
+def row_of(task: Task, trial: Trial, outcome: Outcome, clips: Clips) -> dict[str, Any]:
     """A row of the record."""
     first, second = task.clips(trial.content)
     return {
@@ -183,8 +197,8 @@ def row_of(task: Task, trial: Trial, outcome: Outcome, clip_hash: Hash) -> dict[
         "response_time": outcome.response_time,
         "late_frames": outcome.late_frames,
         "void": outcome.void,
-        "clip_a": clip_hash(first),
-        "clip_b": clip_hash(second),
+        "clip_a": clips(first).hash,
+        "clip_b": clips(second).hash,
         **task.row(trial.content, outcome),
     }
 
@@ -222,7 +236,7 @@ def _outcome(row: Mapping[str, str]) -> Outcome:
         response=None if row["response"] == "n/a" else row["response"],
         response_time=as_number(row["response_time"]),
         onset=as_number(row["onset"]) or 0.0,
-        late_frames=as_whole(row["late_frames"]) or 0,
+        late_frames=as_whole(row["late_frames"]),
         void=row["void"] == "1",
     )
 

@@ -26,7 +26,7 @@ from study.record.dataset import (
 )
 from study.record.sidecar import sidecar_of
 from study.record.table import COMMON, MISSING, Record, create
-from study.session.conduct import run
+from study.session.conduct import ShownClip, run
 from study.session.stage import Stage
 from study.trials.observers import simulated
 from study.trials.plan import Plan, make_plan
@@ -132,10 +132,13 @@ def _locked(
             resumed = [*record.sidecar.get("ResumedOn", []), stage.display()]
             record.save_sidecar(ResumedOn=resumed)
 
-        def shown(key: ClipKey) -> str:
+        first, _ = shown_frames(plan, manifest)
+
+        def shown(key: ClipKey) -> ShownClip:
             clip = entry(manifest, key)
             keep_stimulus(request.data, clip.hash, clip.document)
-            return str(clip.hash)
+            mixed = clip.document.get("mixed")
+            return ShownClip(clip.hash, mixed and (mixed[0] - first, mixed[1] - first))
 
         run(plan, stage, record, observer, shown)
     finally:
@@ -210,6 +213,18 @@ def clips_of(plan: Plan) -> list[ClipKey]:
             lengths = [k, *(k - d for d in motion.shorter), *(k + d for d in motion.longer)]
             keys += [ClipKey(motion.name, length=length) for length in lengths]
     return keys
+
+
+def shown_frames(plan: Plan, manifest: "Manifest") -> tuple[int, int]:
+    """The first of the frames of each clip that are shown, and how many these are.
+
+    A rehearsal shows the middle, where the transition is.
+    """
+    seconds = manifest.seconds
+    if plan.rehearsal:
+        seconds = min(plan.protocol.file.rehearsal.seconds, seconds)
+    count = round(seconds * manifest.fps)
+    return max((manifest.frames - count) // 2, 0), count
 
 
 def entry(manifest: "Manifest", key: ClipKey) -> Any:

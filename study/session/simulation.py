@@ -10,16 +10,22 @@ from study.protocol.protocol import Protocol
 from study.record.dataset import enrol, prepare, record_path, runs
 from study.record.sidecar import sidecar_of
 from study.record.table import COMMON, create
-from study.session.conduct import rows_of_plan, run
+from study.session.conduct import ShownClip, rows_of_plan, run
 from study.session.processes import mapped
 from study.session.stage import Nowhere
 from study.trials.observers import Simulated, simulated
 from study.trials.plan import Plan, make_plan, session_seed
 from study.trials.reading import protocol_of
 from study.trials.tasks import TASKS
+from study.trials.trial import ClipKey
 
 WORTH_A_PROCESS = 20
 LAST_NUMBER = 999_999
+
+
+def unrendered(key: ClipKey) -> ShownClip:
+    """A clip that is nowhere."""
+    return ShownClip()
 
 
 def plan_of(protocol: Protocol, references: dict[str, int], seed: int, participant: int) -> Plan:
@@ -30,7 +36,7 @@ def plan_of(protocol: Protocol, references: dict[str, int], seed: int, participa
 def rows(plan: Plan, observer: Simulated | None = None) -> Iterator[dict[str, Any]]:
     """The rows of one simulated session, in memory; by default of the protocol's observer."""
     observer = observer or simulated(plan)
-    for _, row in rows_of_plan(plan, _nowhere(plan), observer, lambda key: None):
+    for _, row in rows_of_plan(plan, _nowhere(plan), observer, unrendered):
         yield row
 
 
@@ -94,7 +100,7 @@ def _one(job: tuple[Any, dict[str, int], int, Path, str]) -> Path:
     path = record_path(data, name, protocol.label, 1)
     sidecar = sidecar_of(plan, task, observer="simulated", display=stage.display())
     record = create(path, (*COMMON, *task.columns), sidecar)
-    run(plan, stage, record, simulated(plan), lambda key: None)
+    run(plan, stage, record, simulated(plan), unrendered)
     return path
 
 

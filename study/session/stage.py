@@ -11,10 +11,11 @@ from study.trials.tasks import Screens
 
 
 class Presented(NamedTuple):
-    """When the trial's first frame was flipped (seconds, stage clock), and frames shown late."""
+    """When the trial's first frame was flipped (seconds, stage clock), and the clip frames that
+    came late on each screen; None where time runs faster and frames are left out on purpose."""
 
     onset: float
-    late_frames: int
+    late: tuple[tuple[int, ...], ...] | None
 
 
 class Answer(NamedTuple):
@@ -78,7 +79,7 @@ class Nowhere:
         """Advance the clock by the clips and the gaps between them."""
         onset = self.clock
         self.clock += len(screens) * self.clip_seconds + (len(screens) - 1) * self.gap
-        return Presented(onset, 0)
+        return Presented(onset, ())
 
     def ask(self, question: str, seconds: float | None, planned: Answer | None) -> Answer:
         """Take the planned answer, unless it comes too late."""

@@ -1,11 +1,13 @@
 """The exact behaviour of a staircase on a known observer: a finite Markov chain.
 
-The chain's states are (level, state of the rule); its stationary distribution says where a track
-that never stops spends its trials, so the proportion that a rule targets needs no simulation.
+The chain's states are (level, state of the rule, direction of the last move); its stationary
+distribution says where a track that never stops spends its trials, so the proportion that a rule
+targets needs no simulation.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -16,10 +18,12 @@ from study.trials.staircase import Rule
 
 @dataclass(frozen=True)
 class Stationary:
-    """The long run of a staircase: occupancy of levels (L,), its mean, proportions right."""
+    """The long run of a staircase: occupancy of levels (L,), its mean, the mean level at which it
+    turns (None where it never does), and the proportion right."""
 
     occupancy: NDArray[np.float64]
     mean_level: float
+    mean_reversal: float | None
     overall_correct: float
 
 
@@ -29,30 +33,45 @@ def stationary(rule: Rule, levels: NDArray[np.float64], correct: NDArray[np.floa
     `correct` (L,) is the proportion right at each level. Only rules with whole steps have a finite
     chain; others raise ValueError.
     """
-    states = _reachable(rule)
+    if not rule.finite:
+        raise ValueError("expected a rule with a finite chain, found one without")
+    places = tuple(range(len(levels)))
+    states = [(state, last) for state in _reachable(rule, places) for last in (-1, 0, 1)]
     index = {state: n for n, state in enumerate(states)}
     count, width = len(levels), len(states)
     matrix = np.zeros((count, width, count, width))
-    places = np.arange(count)
-    for state in states:
-        for right, chance in ((True, correct), (False, 1 - correct)):
-            after, move = rule.step(state, right)
-            target = np.clip(places + int(move), 0, count - 1)
-            matrix[places, index[state], target, index[after]] += chance
-    occupancy = _solve(matrix.reshape(count * width, -1)).reshape(count, width).sum(axis=1)
-    return Stationary(occupancy, float(occupancy @ levels), float(occupancy @ correct))
+    turning = np.zeros((count, width))  # the chance to turn there
+    here = np.arange(count)
+    for (state, last), chances in product(states, ((True, correct), (False, 1 - correct))):
+        right, chance = chances
+        after, move = rule.step(state, right)
+        target = np.clip(here + int(move), 0, count - 1)
+        moved = np.sign(target - here)
+        turning[:, index[state, last]] += chance * (moved * last < 0)
+        for way in (-1, 0, 1):
+            some = here[moved == way]
+            place = index[after, way or last]
+            matrix[some, index[state, last], target[some], place] += chance[some]
+    held = _solve(matrix.reshape(count * width, -1)).reshape(count, width)
+    occupancy = held.sum(axis=1)
+    turns = (held * turning).sum(axis=1)
+    return Stationary(
+        occupancy,
+        float(occupancy @ levels),
+        float(turns @ levels / turns.sum()) if turns.sum() > 0 else None,
+        float(occupancy @ correct),
+    )
 
 
-def _reachable(rule: Rule) -> Sequence[Any]:
+def _reachable(rule: Rule, places: tuple[int, ...]) -> Sequence[Any]:
     """All states of the rule that answers can lead to, the transient first one included."""
-    found: dict[Any, None] = {rule.start: None}
-    frontier = [rule.start]
+    first = rule.begin(places, 0)
+    found: dict[Any, None] = {first: None}
+    frontier = [first]
     while frontier:
         state = frontier.pop()
         for right in (True, False):
-            after, move = rule.step(state, right)
-            if move != int(move):
-                raise ValueError(f"expected whole steps for an exact chain, found {move}")
+            after, _ = rule.step(state, right)
             if after not in found:
                 found[after] = None
                 frontier.append(after)

@@ -1,81 +1,32 @@
 """Staircases: from the answers so far, whether the difference shrinks, grows or stays.
 
-A rule is a pair of a first state and a pure step; a track folds answers with it. Nothing else is
-remembered, so replaying a record restores a track exactly. Levels are a track's absolute
-differences in ascending order; a move is counted in places of that list.
+A rule (see `study.trials.rules`) gives a first state and a pure step; a track folds answers with
+it. Nothing else is remembered, so replaying a record restores a track exactly. Levels are a track's
+absolute differences in ascending order; a move is counted in places of that list.
 """
 
 import itertools
 from collections import Counter
 from collections.abc import Callable, Hashable, Iterable, Mapping
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any, NamedTuple
+
+MOST_TRIALS = 200  # of a track where a protocol states no other number: who is always right or
+# always wrong never reverses
 
 
 class Rule(NamedTuple):
-    """A staircase rule: its first state, and `step(state, correct) -> (state, move)`.
+    """A staircase rule: its first state on levels at a place, and a step `-> (state, move)`.
 
-    A move is in places of the level list: negative makes the difference smaller.
+    A move is in places of the level list: negative makes the difference smaller. `target` is the
+    proportion right at which the rule settles by its formula, None where it has none; `finite`
+    says that answers lead to a finite number of states, so that the rule has an exact chain.
     """
 
-    start: Hashable
+    begin: Callable[[tuple[int, ...], int], Hashable]
     step: Callable[[Any, bool], tuple[Hashable, float]]
-
-
-class Runs(NamedTuple):
-    """How many answers in a row were right, and how many wrong, since the last step."""
-
-    right: int = 0
-    wrong: int = 0
-
-
-def rule_levitt(n_down: int = 2, n_up: int = 1) -> Rule:
-    """The transformed up-down rule (Wetherill & Levitt 1965): counters restart after each step."""
-    return Rule(Runs(), partial(_step_runs, n_down=n_down, n_up=n_up, down=1.0, up=1.0))
-
-
-def rule_weighted(down: float = 1.0, up: float = 1.0, n_down: int = 1) -> Rule:
-    """Weighted up-down (Kaernbach 1991): steps of unequal size, target `target_weighted`."""
-    return Rule(Runs(), partial(_step_runs, n_down=n_down, n_up=1, down=down, up=up))
-
-
-def target_weighted(down: float, up: float, n_down: int = 1) -> float:
-    """Proportion right at which a weighted staircase settles: `[up/(up+down)]^(1/n_down)`."""
-    return float((up / (up + down)) ** (1 / n_down))
-
-
-def rule_wang() -> Rule:
-    """Wang VI.2.1: down when the last two answers were both right, otherwise up.
-
-    Counters never restart, so a first right answer after an error still steps up. Before there
-    are two answers the rule holds (ours).
-    """
-    return Rule(None, _step_wang)
-
-
-RULES: Mapping[str, Callable[..., Rule]] = {
-    "levitt": rule_levitt,
-    "wang": rule_wang,
-    "weighted": rule_weighted,
-}
-
-
-def _step_runs(
-    runs: Runs, correct: bool, n_down: int, n_up: int, down: float, up: float
-) -> tuple[Runs, float]:
-    runs = Runs(runs.right + 1, 0) if correct else Runs(0, runs.wrong + 1)
-    if runs.right == n_down:
-        return Runs(), -down
-    if runs.wrong == n_up:
-        return Runs(), up
-    return runs, 0.0
-
-
-def _step_wang(last: bool | None, correct: bool) -> tuple[bool, float]:
-    if last is None:
-        return correct, 0.0
-    return correct, -1.0 if last and correct else 1.0
+    target: float | None = None
+    finite: bool = True
 
 
 @dataclass(frozen=True)
@@ -134,30 +85,39 @@ STOPS: Mapping[str, Callable[[int, Track], bool]] = {
 
 @dataclass(frozen=True)
 class Stop:
-    """Conditions (name, n) of which any or all must hold for a track to end."""
+    """Conditions (name, n) of which any or all must hold for a track to end.
+
+    Whatever they are, it ends after `most` answers, and says that this ended it.
+    """
 
     conditions: tuple[tuple[str, int], ...]
     combine: Callable[[Iterable[bool]], bool] = any
+    most: int = MOST_TRIALS
 
     def reason(self, track: Track) -> str | None:
         """The conditions that ended the track, or None while it goes on."""
         held = [STOPS[name](n, track) for name, n in self.conditions]
         if not self.combine(held):
-            return None
+            return f"most {self.most}" if len(track.answers) >= self.most else None
         return " and ".join(
             f"{name} {n}" for (name, n), holds in zip(self.conditions, held, strict=True) if holds
         )
 
 
-def start_track(name: str, levels: Iterable[int], rule: Rule, stop: Stop) -> Track:
-    """A track before its first answer; it starts at its largest difference.
+def start_track(
+    name: str, levels: Iterable[int], rule: Rule, stop: Stop, start: int | None = None
+) -> Track:
+    """A track before its first answer, at the level nearest `start`, else at its largest.
 
     Raises ValueError when `levels` is empty, not ascending, or holds a level below 1.
     """
     ordered = tuple(levels)
     if not ordered or ordered[0] < 1 or any(b <= a for a, b in itertools.pairwise(ordered)):
         raise ValueError(f"track {name}: expected ascending levels from 1 up, found {ordered}")
-    return Track(name, ordered, rule, stop, float(len(ordered) - 1), rule.start)
+    first = len(ordered) - 1
+    if start is not None:
+        first = min(range(len(ordered)), key=lambda place: (abs(ordered[place] - start), -place))
+    return Track(name, ordered, rule, stop, float(first), rule.begin(ordered, first))
 
 
 def answer(track: Track, correct: bool) -> Track:

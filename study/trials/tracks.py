@@ -3,37 +3,48 @@
 import inspect
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
+from pydantic import Field
 
 from study.protocol.faults import Fault, one_of, table_at
 from study.protocol.schema import Count, Positive, TomlTable
 from study.trials.deck import Card
 from study.trials.plan import Plan
-from study.trials.staircase import RULES, Rule, Stop, Track, answer, start_track
+from study.trials.rules import RULES
+from study.trials.staircase import MOST_TRIALS, Rule, Stop, Track, answer, start_track
 
 Key = tuple[str, str]
 
 
 class StopTable(TomlTable):
-    """When a track ends: all named counts, combined by any or all."""
+    """When a track ends: all named counts, combined by any or all; after `most` trials anyway."""
 
     visits: Count | None = None
     reversals: Count | None = None
     trials: Count | None = None
     combine: Literal["any", "all"] = "any"
+    most: Count = MOST_TRIALS
 
 
 class StaircaseTable(TomlTable):
-    """The rule of every track, with its own numbers, and when a track ends."""
+    """The rule of every track, with its own numbers, and when a track ends.
+
+    A track begins at the level nearest `start` (frames of difference), else at its largest.
+    """
 
     rule: str
+    start: Count | None = None
     n_down: Count | None = None
     n_up: Count | None = None
     down: Positive | None = None
     up: Positive | None = None
+    lapse: Annotated[float, Field(ge=0, lt=0.5)] | None = None
     stop: StopTable
+
+
+NUMBERS = ("n_down", "n_up", "down", "up", "lapse")  # which of them a rule takes is its own
 
 
 @dataclass(frozen=True)
@@ -79,7 +90,9 @@ def start_tracks(plan: Plan, table: StaircaseTable) -> Tracks:
         stop = Stop((("trials", plan.protocol.file.rehearsal.trials),))
     return Tracks(
         {
-            (motion.name, side): start_track(f"{motion.name}/{side}", levels, rule, stop)
+            (motion.name, side): start_track(
+                f"{motion.name}/{side}", levels, rule, stop, table.start
+            )
             for motion in plan.motions
             for side, levels in motion.sides().items()
         }
@@ -88,14 +101,14 @@ def start_tracks(plan: Plan, table: StaircaseTable) -> Tracks:
 
 def make_rule(table: StaircaseTable) -> Rule:
     """The rule that a protocol names, with the numbers that it gives."""
-    numbers = table.model_dump(include={"n_down", "n_up", "down", "up"}, exclude_none=True)
+    numbers = table.model_dump(include=set(NUMBERS), exclude_none=True)
     return RULES[table.rule](**numbers)
 
 
 def make_stop(table: StaircaseTable) -> Stop:
     """The stopping rule that a protocol states."""
     counts = table.stop.model_dump(include={"visits", "reversals", "trials"}, exclude_none=True)
-    return Stop(tuple(counts.items()), all if table.stop.combine == "all" else any)
+    return Stop(tuple(counts.items()), all if table.stop.combine == "all" else any, table.stop.most)
 
 
 def track_faults(document: Mapping[str, Any]) -> Iterator[Fault]:
@@ -109,7 +122,7 @@ def track_faults(document: Mapping[str, Any]) -> Iterator[Fault]:
     else:
         takes = inspect.signature(RULES[rule]).parameters
         for key in table:
-            if key in ("n_down", "n_up", "down", "up") and key not in takes:
+            if key in NUMBERS and key not in takes:
                 yield Fault(("staircase", key), f"the rule {rule} takes no {key}; remove it")
     stop = table_at(document, "staircase", "stop")
     if "stop" in table and not set(stop) & {"visits", "reversals", "trials"}:

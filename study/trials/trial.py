@@ -24,10 +24,13 @@ class Trial:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of a trial: the response (None: no answer), seconds, and how it was shown."""
+    """What came of a trial: the response (None: no answer), seconds, and how it was shown.
+
+    `late_frames` is None where frames were left out on purpose.
+    """
 
     response: str | None
     response_time: float | None
     onset: float
-    late_frames: int = 0
+    late_frames: int | None = 0
     void: bool = False

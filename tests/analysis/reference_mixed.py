@@ -71,25 +71,28 @@ def quadrature(beta: float, sd: float, chose: np.ndarray, total: np.ndarray) -> 
 
 def reference(cells: Cells, people: bool, motions: bool) -> tuple[float, float]:
     """The estimate and the width of its 95 % interval; nan where the likelihood sets no bound."""
+    persons, kinds = cells.total.shape
+    n, k = cells.total.sum(), cells.chose.sum()
+    varying: list[tuple[float, int]] = []  # variances of β's parts, and their degrees of freedom
     if people and motions:
         theta, width = searched(lambda t: laplace(t[0], (abs(t[1]), abs(t[2])), cells), cells, 3)
         if abs(theta[1]) < ZERO or abs(theta[2]) < ZERO:
             return reference(cells, abs(theta[1]) >= ZERO, abs(theta[2]) >= ZERO)
-        df = min(cells.total.shape) - 1
+        varying = [(theta[1] ** 2 / persons, persons - 1), (theta[2] ** 2 / kinds, kinds - 1)]
     elif people or motions:
         chose, total = (t.sum(1 if people else 0) for t in (cells.chose, cells.total))
         theta, width = searched(lambda t: quadrature(t[0], abs(t[1]), chose, total), cells, 2)
         if abs(theta[1]) < ZERO:
             return reference(cells, False, False)
-        df = len(chose) - 1
+        varying = [(theta[1] ** 2 / len(chose), len(chose) - 1)]
     else:
-        n, k = cells.total.sum(), cells.chose.sum()
-        persons = len(cells.total)
-        df = (persons if 1 < persons < n else n) - 1
         theta, width = np.array([np.log(k / (n - k))]), float(np.sqrt(n / (k * (n - k))))
     if (np.abs(theta[1:]) > 0.999 * BOUND).any():
         return float("nan"), float("nan")
-    return float(theta[0]), float(2 * stdtrit(max(df, 1), 0.975) * width)
+    rest = max(width**2 - sum(part for part, _ in varying), 0.0)
+    whole = rest + sum(part for part, _ in varying)
+    df = whole**2 / (sum(part**2 / free for part, free in varying) + rest**2 / (n - 1))
+    return float(theta[0]), float(2 * stdtrit(np.clip(df, 1, n - 1), 0.975) * width)
 
 
 def searched(

@@ -5,7 +5,7 @@ import pytest
 from scipy.stats import norm
 
 from study.trials.chain import stationary
-from study.trials.staircase import rule_levitt, rule_wang
+from study.trials.rules import rule_levitt, rule_wang
 
 # Step in SDs: proportion right at the mean level, and overall.
 FIGURES = {
@@ -34,7 +34,7 @@ def test_the_chain_agrees_with_a_simulation() -> None:
     correct = 0.5 + 0.5 * norm.cdf(levels)
     rule = rule_wang()
     generator = np.random.default_rng(5)
-    place, state, seen = 12, rule.start, np.zeros(len(levels))
+    place, state, seen = 12, rule.begin(tuple(range(25)), 12), np.zeros(len(levels))
     for _ in range(40_000):
         seen[place] += 1
         state, move = rule.step(state, bool(generator.random() < correct[place]))

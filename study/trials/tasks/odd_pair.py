@@ -13,7 +13,6 @@ from study.protocol.schema import ObserverTable, Positive, ProtocolFile
 from study.trials.chain import stationary
 from study.trials.deck import Card, Supply, shuffled
 from study.trials.plan import Plan
-from study.trials.staircase import target_weighted
 from study.trials.tasks.task import Responder, Screens, Task
 from study.trials.tracks import StaircaseTable, make_rule, start_tracks, track_faults
 from study.trials.trial import ClipKey, Outcome
@@ -164,7 +163,8 @@ def person(plan: Plan, truth: OddPairObserver, generator: np.random.Generator) -
 def settles(plan: Plan) -> list[dict[str, Any]]:
     """Where each staircase settles on the protocol's observer, exactly, from its Markov chain.
 
-    Rules whose steps are parts of a level have no finite chain: their target is the formula's.
+    Rules without a finite chain, whose steps are parts of a level or follow a posterior, have the
+    target of their formula, or none.
     """
     file = _file(plan)
     table, observer = file.staircase, file.observer
@@ -182,11 +182,10 @@ def settles(plan: Plan) -> list[dict[str, Any]]:
             right = proportion(observer.function, x, location, *curve)
             row: dict[str, Any] = {"motion": motion.name, "side": side, "rule": table.rule,
                                    "levels": list(levels)}  # fmt: skip
-            try:
-                settled = stationary(make_rule(table), x, right)
-            except ValueError:
-                row["target"] = target_weighted(table.down or 1, table.up or 1, table.n_down or 1)
-            else:
+            rule = make_rule(table)
+            row["target"] = rule.target
+            if rule.finite:
+                settled = stationary(rule, x, right)
                 mean = settled.mean_level
                 row |= {
                     "mean_level": mean,

@@ -41,7 +41,7 @@ width = 160
 height = 120
 [presentation]
 gap = 0.1
-late_frames_allowed = 1000
+void = "never"
 [staircase]
 rule = "wang"
 stop = { trials = 2 }

@@ -34,10 +34,11 @@ repeats = 2
 [observer]
 prefer = { fixed = 0.8, cut = 0.2 }
 """
-# Nothing in /dev/shm can be written, and no input device is seen.
+# Nothing in /dev/shm can be written, no input device is seen, and xauth is no program.
 HIDDEN = (
     "mount -t tmpfs -o ro none /dev/shm && "
     "if [ -d /dev/input ]; then mount -t tmpfs -o ro none /dev/input; fi && "
+    'for xauth in $(which -a xauth); do mount --bind /dev/null "$xauth"; done && '
 )
 LESS = "setpriv --bounding-set=-sys_nice,-dac_override --inh-caps=-sys_nice,-dac_override "
 MISSING = ("DBUS_SESSION_BUS_ADDRESS", "XDG_RUNTIME_DIR", "XAUTHORITY", "XDG_DATA_HOME")

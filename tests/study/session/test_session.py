@@ -13,7 +13,7 @@ from study.protocol.protocol import Protocol, shipped
 from study.record.dataset import record_path
 from study.record.sidecar import sidecar_of
 from study.record.table import COMMON, Record, create
-from study.session.conduct import arrange, replay_rows, rows_of_plan, run, settings_of
+from study.session.conduct import ShownClip, arrange, replay_rows, rows_of_plan, run, settings_of
 from study.session.lab import Request, run_session
 from study.session.progress import Progress, advance, begin, next_trial
 from study.session.simulation import rows, simulate
@@ -46,15 +46,15 @@ def jnd_plan(seed: int = 3, rehearsal: bool = False) -> Plan:
     return make_plan(load_protocol("jnd-center"), REFERENCES, seed, rehearsal)
 
 
-def nobody(key: ClipKey) -> None:
-    return None
+def nobody(key: ClipKey) -> ShownClip:
+    return ShownClip(blend=(80, 99))
 
 
 @dataclass
 class Faulty(Nowhere):
     """A stage that shows chosen presentations late, or is left before one."""
 
-    late: dict[int, int] = field(default_factory=dict)
+    late: dict[int, tuple[int, ...]] = field(default_factory=dict)
     leave_before: int | None = None
     shown: int = 0
 
@@ -63,7 +63,7 @@ class Faulty(Nowhere):
         if self.shown == self.leave_before:
             raise SessionLeft
         onset, _ = super().present(screens, label)
-        return Presented(onset, self.late.get(self.shown, 0))
+        return Presented(onset, (tuple(self.late.get(self.shown, ())),))
 
 
 def advance_with(progress: Progress, drawn: tuple[Trial, Card], correct: bool) -> Progress:
@@ -134,7 +134,7 @@ def test_the_same_seed_gives_the_same_session() -> None:
 def test_void_trials_keep_their_row_and_are_asked_again(tmp_path: Path) -> None:
     plan = jnd_plan(11)
     record = new_record(tmp_path, plan)
-    stage = Faulty(6.0, 0.5, late={5: 9})
+    stage = Faulty(6.0, 0.5, late={5: (85,), 7: (10, 79, 100)})
     run(plan, stage, record, simulated(plan), nobody)
     table = record.rows()
     void = [row for row in table if row["void"] == "1"]
@@ -143,6 +143,7 @@ def test_void_trials_keep_their_row_and_are_asked_again(tmp_path: Path) -> None:
     assert len(again) == 1
     assert again[0]["difference"] == void[0]["difference"]
     assert again[0]["motion"] == void[0]["motion"]
+    assert table[6]["late_frames"] == "3"  # outside the blend: counted, and said
     counted = [row for row in table if row["phase"] == "main" and row["void"] == "0"]
     assert sum(t["trials"] for t in record.sidecar["Tracks"].values()) == len(counted)
 
@@ -150,7 +151,7 @@ def test_void_trials_keep_their_row_and_are_asked_again(tmp_path: Path) -> None:
 def test_a_machine_that_is_too_slow_is_said_and_the_session_ends(tmp_path: Path) -> None:
     plan = jnd_plan(12)
     record = new_record(tmp_path, plan)
-    stage = Faulty(6.0, 0.5, late=dict.fromkeys(range(10_000), 9))
+    stage = Faulty(6.0, 0.5, late=dict.fromkeys(range(10_000), (85,)))
     with pytest.warns(InputWarning, match="too slow"):
         run(plan, stage, record, simulated(plan), nobody)
     table = record.rows()
@@ -166,7 +167,7 @@ def test_breaks_come_after_their_number_of_answers(tmp_path: Path) -> None:
     protocol = parse_protocol(PREFERENCE.replace("repeats = 4", "repeats = 4\nbreak_every = 10"))
     plan = make_plan(protocol, {}, 5)
     told = []
-    stage = Faulty(6.0, 0.5, late={1: 9})
+    stage = Faulty(6.0, 0.5, late={1: (85,)})
     stage.tell = lambda text: told.append((stage.shown, text))  # type: ignore[method-assign]
     run(plan, stage, new_record(tmp_path, plan), simulated(plan), nobody)
     breaks = [shown for shown, text in told if "break" in text]
@@ -278,7 +279,7 @@ def test_restart_needs_nothing_of_the_run_that_it_leaves(tmp_path: Path) -> None
     pairings = {name: {"reference_length": k} for name, k in REFERENCES.items()}
     manifest = SimpleNamespace(
         directory=folder, name=protocol.name, hash="s", clips=[clip], clip=lambda *_, **__: clip,
-        pairings=pairings, specification="center-aligned", seconds=6.0,
+        pairings=pairings, specification="center-aligned", seconds=6.0, fps=30, frames=180,
     )  # fmt: skip
     left = record_path(tmp_path, "p1", protocol.label, 1)
     create(left, tuple(COMMON), {}).sidecar_path.unlink()

@@ -41,7 +41,7 @@ height = 120
 background = [0.5, 0.4, 0.3]
 [presentation]
 gap = 0
-late_frames_allowed = 1000
+void = "never"
 [rehearsal]
 seconds = 0.6
 [trials]

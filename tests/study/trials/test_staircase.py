@@ -8,22 +8,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from study.trials.chain import stationary
-from study.trials.staircase import (
-    RULES,
-    Stop,
-    Track,
-    answer,
-    replay_track,
-    rule_levitt,
-    rule_wang,
-    rule_weighted,
-    start_track,
-    target_weighted,
-)
+from study.trials.rules import RULES, rule_levitt, rule_wang, rule_weighted, target_weighted
+from study.trials.staircase import Stop, Track, answer, replay_track, start_track
 
-NEVER = Stop((("trials", 10**9),))
+NEVER = Stop((("trials", 10**9),), most=10**9)
 ANSWERS = st.lists(st.booleans(), max_size=80)
-RULE = st.sampled_from([rule() for rule in RULES.values()])
+RULE = st.sampled_from([rule() for name, rule in RULES.items() if name != "quest-plus"])
 LEVELS = st.lists(st.integers(1, 40), min_size=1, max_size=12, unique=True).map(sorted)
 
 
@@ -132,5 +122,20 @@ def test_fractional_steps_show_the_nearest_level() -> None:
 
 
 def test_an_exact_chain_needs_whole_steps() -> None:
-    with pytest.raises(ValueError, match="whole steps"):
+    with pytest.raises(ValueError, match="finite chain"):
         stationary(rule_weighted(0.4, 1.0), np.arange(3.0), np.full(3, 0.7))
+
+
+def test_a_track_that_nothing_ends_ends_by_itself_and_says_so() -> None:
+    """Who is always right never reverses (psychopy#1046)."""
+    stop = Stop((("reversals", 10),), most=30)
+    track = start_track("t", (1, 2, 3), rule_levitt(), stop)
+    for _ in range(29):
+        track = answer(track, True)
+    assert track.stopped_by is None
+    assert answer(track, True).stopped_by == "most 30"
+
+
+@pytest.mark.parametrize(("start", "shown"), [(None, 9), (1, 1), (4, 5), (6, 7), (40, 9)])
+def test_a_track_starts_at_the_level_nearest_its_start(start: int | None, shown: int) -> None:
+    assert start_track("t", (1, 3, 5, 7, 9), rule_wang(), NEVER, start).level == shown
