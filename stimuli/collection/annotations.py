@@ -16,7 +16,7 @@ from stimuli.motion.clip import Clip
 from stimuli.motion.formats.words import whole_number
 
 ANNOTATIONS = "annotations.csv"
-COLUMNS = ("clip", "from_frame", "to_frame", "label")
+_COLUMNS = ("clip", "from_frame", "to_frame", "label")
 _WORD = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])")
 
 
@@ -50,9 +50,9 @@ def spans_of(table: Path) -> Mapping[str, tuple[Span, ...]]:
     with table.open(encoding="utf-8-sig", newline="") as stream:
         lines = list(csv.reader(stream))
     head = [word.strip() for word in lines[0]] if lines else []
-    if missing := [name for name in COLUMNS if name not in head]:
+    if missing := [name for name in _COLUMNS if name not in head]:
         raise InputError(
-            f"{table}:1: expected the columns {','.join(COLUMNS)}, found no {', '.join(missing)}."
+            f"{table}:1: expected the columns {','.join(_COLUMNS)}, found no {', '.join(missing)}."
         )
     found: dict[str, list[Span]] = {}
     faults = []

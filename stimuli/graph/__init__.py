@@ -7,45 +7,47 @@ what is wanted, `search` looks for it at random among paths, `plan` says how wel
 compiled, in modules of their own.
 """
 
-from stimuli.graph.aim import faults_of
-from stimuli.graph.assemble import assembled, way_motion
+from stimuli.graph.aim import unmet_faults
+from stimuli.graph.assemble import assembled, route_of, way_motion
 from stimuli.graph.build import build_graph
 from stimuli.graph.cluster import on_scheduler
 from stimuli.graph.demands import Demands, read_demands
 from stimuli.graph.graph import MotionGraph
 from stimuli.graph.near import near_answer
-from stimuli.graph.plan import Plan, Stretch, document_of, plan_of
+from stimuli.graph.plan import MotionPlan, Stretch, motion_plan, plan_document
 from stimuli.graph.plots import draw_graph, draw_plan, draw_reach
 from stimuli.graph.reach import places_reached, shares
-from stimuli.graph.search import Search, begin
+from stimuli.graph.search import Search, begin_search
 from stimuli.graph.shortest import shortest_way
 from stimuli.graph.space import search_space
-from stimuli.graph.store import graph_place, read_graph, write_graph
+from stimuli.graph.store import graph_kept, graph_place, read_graph, write_graph
 
 __all__ = [
     "Demands",
     "MotionGraph",
-    "Plan",
+    "MotionPlan",
     "Search",
     "Stretch",
     "assembled",
-    "begin",
+    "begin_search",
     "build_graph",
-    "document_of",
     "draw_graph",
     "draw_plan",
     "draw_reach",
-    "faults_of",
+    "graph_kept",
     "graph_place",
+    "motion_plan",
     "near_answer",
     "on_scheduler",
     "places_reached",
-    "plan_of",
+    "plan_document",
     "read_demands",
     "read_graph",
+    "route_of",
     "search_space",
     "shares",
     "shortest_way",
+    "unmet_faults",
     "way_motion",
     "write_graph",
 ]

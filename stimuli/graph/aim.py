@@ -1,6 +1,7 @@
-"""Demands brought to arrays for the search, and what a collection cannot meet, each with its line."""
+"""Demands brought to arrays for the search, and what a collection cannot meet of them."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -23,7 +24,7 @@ class Effort(NamedTuple):
     kept: int = 6  # of ten climbs begin at a kept path, the others at a new one
 
 
-def faults_of(demands: Demands, collection: Collection, graph: MotionGraph) -> Iterator[Wrong]:
+def unmet_faults(demands: Demands, collection: Collection, graph: MotionGraph) -> Iterator[Wrong]:
     """What a collection cannot meet: clips, frames, joints and labels that it does not have."""
     labels = {span.label for spans in collection.spans for span in spans}
     for demand in demands.demands:
@@ -65,7 +66,7 @@ def _apart(demands: Demands, collection: Collection, graph: MotionGraph) -> Iter
 
     poses = demands.of("pose")
     hops = shortest_path(graph.joined, unweighted=True) if len(poses) > 1 else None
-    for one, other in zip(poses, poses[1:], strict=False):
+    for one, other in pairwise(poses):
         here, there = (collection.place(pose["clip"]) for pose in (one, other))
         if here != there and hops is not None and np.isinf(hops[here, there]):
             yield (
@@ -125,12 +126,12 @@ def aim_at(demands: Demands, collection: Collection) -> Aim:
     )
 
 
-def _whole(values: object) -> np.ndarray:
-    return np.array(list(values), dtype=np.int32)  # type: ignore[call-overload]
+def _whole(values: Iterable[int]) -> np.ndarray:
+    return np.fromiter(values, dtype=np.int32)
 
 
-def _numbers(values: object) -> Array:
-    return np.array(list(values), dtype=float)  # type: ignore[call-overload]
+def _numbers(values: Iterable[float]) -> Array:
+    return np.fromiter(values, dtype=float)
 
 
 def _rows(values: list[list[float]], width: int) -> Array:

@@ -6,13 +6,15 @@ from types import MappingProxyType
 import numpy as np
 
 from stimuli.collection import Collection
-from stimuli.graph.plan import Plan, Stretch
+from stimuli.graph.graph import MotionGraph
+from stimuli.graph.plan import MotionPlan, Stretch
+from stimuli.graph.shortest import shortest_way
 from stimuli.motion import quaternions as quat
 from stimuli.motion.kinematics import heading, placed
 from stimuli.motion.quaternions import Array
 from stimuli.motion.skeleton import Motion
 from stimuli.transition import transition
-from stimuli.transition.route import Cutting, Piece, put_together
+from stimuli.transition.route import Cutting, Piece, Route, put_together
 from stimuli.transition.smooth import smoothed_cut
 from stimuli.transition.window import longest_fitting
 
@@ -35,7 +37,7 @@ CUTTINGS: Mapping[str, Cutting] = MappingProxyType(
 
 
 def assembled(
-    plan: Plan, collection: Collection, joining: str = "smooth", foot_lock: bool = False
+    plan: MotionPlan, collection: Collection, joining: str = "smooth", foot_lock: bool = False
 ) -> Motion:
     """The motion of a plan: begun where demanded, joined, and each body demand met.
 
@@ -59,6 +61,22 @@ def way_motion(way: Sequence[Stretch], collection: Collection) -> Motion:
     return motion[: sum(map(len, way))]
 
 
+def route_of(
+    graph: MotionGraph, collection: Collection, start: tuple[int, int], end: tuple[int, int]
+) -> Route:
+    """The shortest way from a frame (clip, frame) to another as what a transition goes through."""
+    way = shortest_way(graph, start, end)
+    first = way[0]
+    pieces = [Stretch(first.clip, first.first + 1, first.last), *way[1:]]
+    return Route(
+        collection.names[start[0]],
+        start[1],
+        end[1],
+        tuple(_piece(piece, collection) for piece in pieces if len(piece)),
+        sum(piece.cost for piece in way[1:]),
+    )
+
+
 def _piece(stretch: Stretch, collection: Collection) -> Piece:
     motion = collection.motions[stretch.clip]
     return Piece(collection.names[stretch.clip], motion, stretch.first, stretch.last)
@@ -75,7 +93,7 @@ def _placed_at(motion: Motion, frame: int, place: Array, yaw: float) -> Motion:
     return placed(motion, turn, np.array([place[0] + shift[0], 0.0, place[1] + shift[2]]))
 
 
-def _brought(motion: Motion, plan: Plan) -> Motion:
+def _brought(motion: Motion, plan: MotionPlan) -> Motion:
     """What is left of each body demand spread evenly over the frames before it.
 
     What comes behind is carried along. A demand beyond the end is left.

@@ -3,9 +3,10 @@
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,8 +14,9 @@ import numpy.typing as npt
 
 from stimuli.collection import Collection
 from stimuli.errors import InputError
+from stimuli.graph.arrays import Indices
 from stimuli.graph.edges import CutSpace, cut_space
-from stimuli.graph.graph import MotionGraph, Whole
+from stimuli.graph.graph import MotionGraph
 
 TAU = 1.0
 AN_EDGE = 200  # bytes of memory for each edge while a graph is built and written
@@ -30,10 +32,10 @@ class Branch:
 
     clip: int
     labels: npt.NDArray[np.float32]
-    right: Whole
-    leaf: Whole
-    roots: Whole
-    root_to: Whole
+    right: Indices
+    leaf: Indices
+    roots: Indices
+    root_to: Indices
 
 
 def build_graph(
@@ -78,14 +80,20 @@ def branch(space: CutSpace, clip: int) -> Branch:
         edges.cost,
         np.append(begins, len(first)),
     )
-    small = [part.astype(np.int32) for part in (right, leaf, roots)]
-    return Branch(clip, labels.astype(np.float32), *small, edges.to_clip[begins][of_pair])
+    return Branch(
+        clip,
+        labels.astype(np.float32),
+        right.astype(np.int32),
+        leaf.astype(np.int32),
+        roots.astype(np.int32),
+        edges.to_clip[begins][of_pair],
+    )
 
 
 def _joined(collection: Collection, tau: float, branches: list[Branch]) -> MotionGraph:
     base = np.cumsum([0, *(len(b.right) for b in branches)]).astype(np.int32)
 
-    def shifted(name: str) -> Whole:
+    def shifted(name: str) -> Indices:
         each = [getattr(b, name) + n for b, n in zip(branches, base, strict=False)]
         return np.concatenate(each).astype(np.int32)
 
@@ -131,21 +139,17 @@ def _given(mapped: Mapped) -> Iterator[Mapped]:
 def free_memory() -> int:
     """Bytes that this process may still take: what the machine has free, and its own limit."""
     free = []
-    try:
-        with open("/proc/meminfo", encoding="ascii") as stream:
-            told = dict(line.split(":") for line in stream)
+    with suppress(OSError, KeyError, ValueError):
+        lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
+        told = dict(line.split(":") for line in lines)
         free.append(int(told["MemAvailable"].split()[0]) * 1024)
-    except (OSError, KeyError, ValueError):
-        pass
-    try:
+    with suppress(ImportError, OSError, ValueError):
         import resource
 
         limit = resource.getrlimit(resource.RLIMIT_AS)[0]
         if limit != resource.RLIM_INFINITY:
-            with open("/proc/self/statm", encoding="ascii") as stream:
-                free.append(limit - int(stream.read().split()[0]) * resource.getpagesize())
-    except (ImportError, OSError, ValueError):
-        pass
+            pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
+            free.append(limit - pages * resource.getpagesize())
     return max(min(free, default=4 << 30) - (HELD_BACK << 20), 0)
 
 

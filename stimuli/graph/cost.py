@@ -35,7 +35,7 @@ PLACES: Mapping[str, float] = MappingProxyType(
         },
     }
 )  # fmt: skip
-VELOCITY, TURNING = 2.5, 2.5
+_VELOCITY, _TURNING = 2.5, 2.5
 RATES = 0.5  # of the same weights, for the rates of change
 SMALLEST = 1e-12  # squared metres or radians; a column that never moves counts by no less
 
@@ -72,7 +72,7 @@ def metric_of(collection: Collection) -> Metric:
 def weighted_columns(skeleton: Skeleton) -> tuple[tuple[int, ...], Array]:
     """The joints that have a role, and the weights M (K + 2,) of their columns and the torso's."""
     roles = [role for role in PLACES if role in skeleton.roles]
-    weights = [*(PLACES[role] for role in roles), VELOCITY, TURNING]
+    weights = [*(PLACES[role] for role in roles), _VELOCITY, _TURNING]
     return tuple(skeleton.roles[role] for role in roles), np.array(weights)
 
 

@@ -122,7 +122,7 @@ def _faults(table: Any, place: Where) -> Iterator[Wrong]:
     yield from _unknown(table, TOP if place else (*TOP, "figures"), place)
     if "frames" not in table:
         yield (*place, "frames"), "expected how many frames the motion has, found nothing; add it"
-    elif expected := fields.count(table["frames"]):
+    elif expected := fields.motion_length(table["frames"]):
         yield (*place, "frames"), f"expected {expected}, found {table['frames']!r}"
     weights = table.get("weights", {})
     if isinstance(weights, Mapping):
@@ -171,22 +171,29 @@ def _of_whole(kind: str, entry: Mapping[str, Any], frames: Any, place: Where) ->
                     (*place, key),
                     f'expected a frame from 0 to {frames - 1}, or "end", found {value}',
                 )
-    if kind == "style" and all(fields.frame(entry.get(key)) is None for key in ("from", "to")):
-        if entry["to"] < entry["from"]:
-            yield (*place, "to"), f"expected {entry['from']} or more, found {entry['to']}"
+    spanned = all(fields.frame(entry.get(key)) is None for key in ("from", "to"))
+    if kind == "style" and spanned and entry["to"] < entry["from"]:
+        yield (*place, "to"), f"expected {entry['from']} or more, found {entry['to']}"
     if kind == "avoid":
-        circle, box = ({"centre", "radius"}, {"low", "high"})
-        if (circle <= entry.keys()) == (box <= entry.keys()) or (
-            circle & entry.keys() and box & entry.keys()
+        yield from _of_place(entry, place)
+
+
+def _of_place(entry: Mapping[str, Any], place: Where) -> Iterator[Wrong]:
+    """A place to avoid is a circle or a box, whose low corner is below its high one."""
+    circle, box = {"centre", "radius"}, {"low", "high"}
+    whole = [shape for shape in (circle, box) if shape <= entry.keys()]
+    if len(whole) != 1 or len((circle | box) & entry.keys()) > len(whole[0]):
+        yield place, "expected either centre and radius, or low and high"
+    elif whole[0] == box:
+        low, high = entry["low"], entry["high"]
+        if not (isinstance(low, list) and isinstance(high, list)):
+            return
+        if len(low) != len(high):
+            yield (*place, "high"), f"expected as many numbers as low has, found {high!r}"
+        elif all(map(fields.is_number, [*low, *high])) and any(
+            a >= b for a, b in zip(low, high, strict=True)
         ):
-            yield place, "expected either centre and radius, or low and high"
-        elif box <= entry.keys() and isinstance(entry["low"], list):
-            low, high = entry["low"], entry["high"]
-            if isinstance(high, list) and len(low) != len(high):
-                yield (*place, "high"), f"expected as many numbers as low has, found {high!r}"
-            elif isinstance(high, list) and all(map(fields.is_number, [*low, *high])):
-                if any(a >= b for a, b in zip(low, high, strict=True)):
-                    yield (*place, "high"), f"expected more than low, {low}, found {high}"
+            yield (*place, "high"), f"expected more than low, {low}, found {high}"
 
 
 def _of_ends(table: Mapping[str, Any], place: Where) -> Iterator[Wrong]:
@@ -214,7 +221,7 @@ def _of_ends(table: Mapping[str, Any], place: Where) -> Iterator[Wrong]:
 def _moment(value: Any, table: Mapping[str, Any]) -> int | None:
     frames = table.get("frames")
     if value == "end":
-        return frames - 1 if fields.count(frames) is None else None  # type: ignore[operator]
+        return frames - 1 if fields.motion_length(frames) is None else None  # type: ignore[operator]
     return value if fields.frame(value) is None else None
 
 

@@ -13,14 +13,13 @@ import numpy as np
 import numpy.typing as npt
 
 from stimuli.collection import Collection
+from stimuli.graph.arrays import Indices
 from stimuli.graph.cost import metric_of
 from stimuli.motion.quaternions import Array
 
-APART = 15  # frames: nearer ones of one clip are the same moment of it
+_APART = 15  # frames: nearer ones of one clip are the same moment of it
 ROWS = 1024  # of the matrix at once, whatever the length of a clip
 SLACK = 1e-5  # of the largest squared norm, by which single precision may be wrong
-
-Indices = npt.NDArray[np.int32]
 
 
 class Edges(NamedTuple):
@@ -48,7 +47,7 @@ class CutSpace:
         found = [self._near(row, min(row + ROWS, stop)) for row in range(first, stop, ROWS)]
         i, j = (np.concatenate(part) for part in zip(*found, strict=True))
         to_clip = np.searchsorted(self.starts, j, side="right").astype(np.int32) - np.int32(1)
-        keep = (to_clip != clip) | (np.abs(i - j) > APART)
+        keep = (to_clip != clip) | (np.abs(i - j) > _APART)
         i, j, to_clip = i[keep], j[keep], to_clip[keep]
         cost = costs_of(self.rows, i, j)
         keep = cost < self.tau

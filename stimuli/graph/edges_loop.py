@@ -4,13 +4,12 @@ import numpy as np
 import numpy.typing as npt
 
 from stimuli.compiled import compiled
+from stimuli.graph.arrays import Rows
 from stimuli.motion.quaternions import Array
-
-Places = npt.NDArray[np.int64]
 
 
 @compiled(nogil=True)
-def below(block: npt.NDArray[np.float32], limit: np.float32) -> tuple[Places, Places]:
+def below(block: npt.NDArray[np.float32], limit: np.float32) -> tuple[Rows, Rows]:
     """Rows and columns, in order, of the cells of a block (R, N) that are below a limit."""
     counts = np.zeros(block.shape[0] + 1, dtype=np.int64)
     for row in range(block.shape[0]):
@@ -30,7 +29,7 @@ def below(block: npt.NDArray[np.float32], limit: np.float32) -> tuple[Places, Pl
 
 
 @compiled(nogil=True)
-def costs_of(rows: Array, i: Places, j: Places) -> Array:
+def costs_of(rows: Array, i: Rows, j: Rows) -> Array:
     """Squared distances (E,) of rows i and rows j."""
     costs = np.empty(len(i))
     for pair in range(len(i)):

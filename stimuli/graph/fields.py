@@ -5,14 +5,14 @@ from dataclasses import dataclass
 from math import isfinite
 from typing import Any
 
-Check = Callable[[Any], str | None]  # what was expected, where a value is not that
+ValueCheck = Callable[[Any], str | None]  # what was expected, where a value is not that
 
 
 @dataclass(frozen=True)
 class Field:
     """A key of a table: the check of its value, and what stands in where it may be left out."""
 
-    check: Check
+    check: ValueCheck
     needed: bool = True
     default: Any = None
 
@@ -48,7 +48,7 @@ def positive(value: Any) -> str | None:
     return None if is_number(value) and value > 0 else "a number above 0"
 
 
-def count(value: Any) -> str | None:
+def motion_length(value: Any) -> str | None:
     """How many frames a motion has."""
     return None if frame(value) is None and value >= 2 else "a whole number, 2 or more"
 
@@ -58,7 +58,7 @@ def word(value: Any) -> str | None:
     return None if isinstance(value, str) and value.strip() else "a name in quotes"
 
 
-def numbers(size: int, of: str) -> Check:
+def numbers(size: int, of: str) -> ValueCheck:
     """So many numbers in brackets."""
 
     def check(value: Any) -> str | None:
@@ -68,26 +68,26 @@ def numbers(size: int, of: str) -> Check:
     return check
 
 
-FLOOR = numbers(2, "[x, z] in metres")
-SPACE = numbers(3, "[x, y, z] in metres")
-VELOCITY = numbers(3, "[x, y, z] in metres a second")
+_FLOOR = numbers(2, "[x, z] in metres")
+_SPACE = numbers(3, "[x, y, z] in metres")
+_VELOCITY = numbers(3, "[x, y, z] in metres a second")
 KINDS: Mapping[str, Mapping[str, Field]] = {
     "body": {
-        "at": Field(moment), "place": Field(FLOOR), "heading": Field(number),
+        "at": Field(moment), "place": Field(_FLOOR), "heading": Field(number),
         "weight": Field(weight, False, 1.0),
     },
     "joint": {
-        "at": Field(moment), "role": Field(word), "place": Field(SPACE),
-        "velocity": Field(VELOCITY, False), "weight": Field(weight, False, 1.0),
+        "at": Field(moment), "role": Field(word), "place": Field(_SPACE),
+        "velocity": Field(_VELOCITY, False), "weight": Field(weight, False, 1.0),
     },
     "style": {
         "from": Field(moment), "to": Field(moment), "label": Field(word),
         "weight": Field(weight, False, 1.0),
     },
     "avoid": {
-        "centre": Field(FLOOR, False), "radius": Field(positive, False),
-        "low": Field(lambda v: FLOOR(v) and SPACE(v) and "[x, z] or [x, y, z] in metres", False),
-        "high": Field(lambda v: FLOOR(v) and SPACE(v) and "[x, z] or [x, y, z] in metres", False),
+        "centre": Field(_FLOOR, False), "radius": Field(positive, False),
+        "low": Field(lambda v: _FLOOR(v) and _SPACE(v) and "[x, z] or [x, y, z] in metres", False),
+        "high": Field(lambda v: _FLOOR(v) and _SPACE(v) and "[x, z] or [x, y, z] in metres", False),
         "weight": Field(weight, False, 1.0),
     },
     "pose": {"at": Field(moment), "clip": Field(word), "frame": Field(frame)},

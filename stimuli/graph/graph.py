@@ -14,19 +14,19 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from stimuli.graph.arrays import Indices
 from stimuli.motion.quaternions import Array
 
-Whole = npt.NDArray[np.int32]
 START = -1  # the clip that edges at which a motion starts come from
 
 
 class Cuts(NamedTuple):
     """Edges of G: frame `i` of `from_clip` is followed by the one after frame `j` of `to_clip`."""
 
-    from_clip: Whole
-    i: Whole
-    to_clip: Whole
-    j: Whole
+    from_clip: Indices
+    i: Indices
+    to_clip: Indices
+    j: Indices
     cost: Array
 
     def __len__(self) -> int:
@@ -38,27 +38,27 @@ class MotionGraph:
     """The graph of a collection at a threshold τ, and the hierarchy of its edges."""
 
     names: tuple[str, ...]
-    frames: Whole  # (N,) of each clip
+    frames: Indices  # (N,) of each clip
     tau: float
     collection: str  # its hash
     labels: npt.NDArray[np.float32]  # (M, 3) mean frame left, frame entered, cost
-    right: Whole  # (M,)
-    leaf: Whole  # (M,) the leaf nearest to each node's label
-    roots: Whole  # (R,) ascending
-    root_from: Whole  # (R,) the clip that a root's edges leave, ascending
-    root_to: Whole  # (R,) and enter, ascending for each clip left
+    right: Indices  # (M,)
+    leaf: Indices  # (M,) the leaf nearest to each node's label
+    roots: Indices  # (R,) ascending
+    root_from: Indices  # (R,) the clip that a root's edges leave, ascending
+    root_to: Indices  # (R,) and enter, ascending for each clip left
 
     @property
-    def node_from(self) -> Whole:
+    def node_from(self) -> Indices:
         """The clip (M,) that each node's edges leave."""
         return self._spread(self.root_from)
 
     @property
-    def node_to(self) -> Whole:
+    def node_to(self) -> Indices:
         """The clip (M,) that each node's edges enter."""
         return self._spread(self.root_to)
 
-    def _spread(self, of_roots: Whole) -> Whole:
+    def _spread(self, of_roots: Indices) -> Indices:
         return np.repeat(of_roots, np.diff(np.append(self.roots, len(self.right))))
 
     @cached_property
@@ -91,8 +91,8 @@ class MotionGraph:
         return np.argsort(order)[part]
 
     @cached_property
-    def exits(self) -> Whole:
-        """The last frame (N,) of each clip at which a motion can leave it and still go on; −1: none.
+    def exits(self) -> Indices:
+        """The last frame (N,) at which a motion can leave each clip and still go on; −1: none.
 
         Nothing leads on from the frames behind it.
         """

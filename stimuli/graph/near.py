@@ -1,4 +1,4 @@
-"""Editing by demand: an earlier answer, and how much of it demands that were changed leave alone."""
+"""Editing by demand: an earlier answer, and how much of it changed demands leave alone."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any

@@ -30,7 +30,7 @@ class Stretch:
 
 
 @dataclass(frozen=True, eq=False)
-class Plan:
+class MotionPlan:
     """A motion that was found for demands: its pieces, its score term by term, its misses."""
 
     demands: Demands
@@ -51,7 +51,7 @@ class Plan:
         return len(self.yaw)
 
 
-def plan_of(demands: Demands, pieces: Sequence[Stretch], collection: Collection) -> Plan:
+def motion_plan(demands: Demands, pieces: Sequence[Stretch], collection: Collection) -> MotionPlan:
     """The plan of some pieces: where the body goes, and what it costs (eq. 1)."""
     aim = aim_at(demands, collection)
     place, yaw, rows = _laid_out(aim, pieces, collection)
@@ -71,7 +71,7 @@ def plan_of(demands: Demands, pieces: Sequence[Stretch], collection: Collection)
             if kind != "pose":
                 terms[f"{kind} {n + 1}"] = term
             misses.append(f"{kind} {n + 1}: {words}")
-    return Plan(demands, tuple(pieces), terms, tuple(misses), place, yaw)
+    return MotionPlan(demands, tuple(pieces), terms, tuple(misses), place, yaw)
 
 
 def _laid_out(
@@ -175,7 +175,7 @@ def _pose(
     return 0.0, f"at {demand['at']}: {demand['clip']}:{demand['frame']} hit"
 
 
-def document_of(plan: Plan, names: Sequence[str], **more: Any) -> dict[str, Any]:
+def plan_document(plan: MotionPlan, names: Sequence[str], **more: Any) -> dict[str, Any]:
     """A plan as JSON has it."""
     return {
         "figure": plan.demands.name,

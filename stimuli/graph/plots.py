@@ -7,7 +7,7 @@ import numpy as np
 
 from stimuli.collection import Collection
 from stimuli.graph.graph import MotionGraph
-from stimuli.graph.plan import Plan
+from stimuli.graph.plan import MotionPlan
 from stimuli.transition.plots import save
 
 if TYPE_CHECKING:
@@ -15,11 +15,11 @@ if TYPE_CHECKING:
 
 COLOURS = ("#1f5fa8", "#c1440e", "#2e8b57", "#8a4fa3", "#b8860b", "#3f8f9b", "#a33b57", "#5a6b2f")
 ARROW = 0.35  # metres
-EVERY = 15  # frames between two headings
+_EVERY = 15  # frames between two headings
 MOST_NAMED = 30  # clips whose names fit around a circle
 
 
-def draw_plan(plans: list[Plan], collection: Collection, path: Path, title: str) -> None:
+def draw_plan(plans: list[MotionPlan], collection: Collection, path: Path, title: str) -> None:
     """The floor from above: the way and its headings, demands, obstacles, pieces in colours."""
     from matplotlib.figure import Figure
 
@@ -42,7 +42,7 @@ def draw_plan(plans: list[Plan], collection: Collection, path: Path, title: str)
     save(figure, path)
 
 
-def _way(axes: "Axes", plan: Plan, collection: Collection) -> None:
+def _way(axes: "Axes", plan: MotionPlan, collection: Collection) -> None:
     first = 0
     for n, piece in enumerate(plan.pieces):
         colour = COLOURS[n % len(COLOURS)]
@@ -58,7 +58,7 @@ def _way(axes: "Axes", plan: Plan, collection: Collection) -> None:
         first += len(piece)
         if n + 1 < len(plan.pieces):
             axes.plot(*plan.place[first - 1], "o", color="white", mec="0.3", ms=4, zorder=5)
-    some = np.arange(0, plan.frames, EVERY)
+    some = np.arange(0, plan.frames, _EVERY)
     ahead = 0.6 * ARROW * np.stack([np.sin(plan.yaw[some]), np.cos(plan.yaw[some])], axis=1)
     axes.quiver(
         *plan.place[some].T, *ahead.T, angles="xy", scale_units="xy", scale=1, width=0.0022,
@@ -66,7 +66,7 @@ def _way(axes: "Axes", plan: Plan, collection: Collection) -> None:
     )  # fmt: skip
 
 
-def _demands(axes: "Axes", plan: Plan) -> None:
+def _demands(axes: "Axes", plan: MotionPlan) -> None:
     for n, body in enumerate(plan.demands.of("body")):
         yaw = np.radians(body["heading"])
         x, z = body["place"]
@@ -93,7 +93,7 @@ def _demands(axes: "Axes", plan: Plan) -> None:
         )  # fmt: skip
 
 
-def _obstacles(axes: "Axes", plan: Plan) -> None:
+def _obstacles(axes: "Axes", plan: MotionPlan) -> None:
     from matplotlib.patches import Circle, Patch, Rectangle
 
     for n, place in enumerate(plan.demands.of("avoid")):
@@ -147,7 +147,7 @@ def _circle(axes: "Axes", graph: MotionGraph) -> None:
     ):
         if chosen.any():
             label = f"{told}: {int(chosen.sum())} clips"
-            axes.scatter(*at[chosen].T, s=8 + graph.frames[chosen] / 8, color=colour, label=label,
+            axes.scatter(at[chosen, 0], at[chosen, 1], s=8 + graph.frames[chosen] / 8, color=colour, label=label,
                          zorder=3)  # fmt: skip
     small = "x-small" if count <= MOST_NAMED else 4.6
     for clip, name in enumerate(graph.names):
@@ -160,7 +160,9 @@ def _circle(axes: "Axes", graph: MotionGraph) -> None:
     axes.set(xlim=(-1.75, 1.75), ylim=(-1.75, 1.75))
     axes.set_aspect("equal")
     axes.axis("off")
-    axes.legend(loc="lower left", fontsize="small", frameon=False)
+    axes.legend(
+        loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=2, fontsize="small", frameon=False
+    )
     axes.set_title(f"{count} clips, {len(graph.cuts):,} edges at τ = {graph.tau:g}")
 
 
@@ -173,7 +175,9 @@ def _clusters(axes: "Axes", graph: MotionGraph, pair: tuple[int, int]) -> None:
         nodes = np.arange(graph.roots[root], ends[root])
         leaves = nodes[graph.right[nodes] == 0]
         colour = COLOURS[n % len(COLOURS)]
-        axes.scatter(*graph.labels[leaves][:, [1, 0]].T, s=3, color=colour, marker="s", lw=0)
+        axes.scatter(
+            graph.labels[leaves, 1], graph.labels[leaves, 0], s=3, color=colour, marker="s", lw=0
+        )
     centres = graph.labels[graph.roots[here]]
     axes.plot(centres[:, 1], centres[:, 0], "k+", ms=5, label="cluster, an edge of G′")
     axes.set_xlabel(f"{names[1]}: frame entered after")
@@ -181,7 +185,7 @@ def _clusters(axes: "Axes", graph: MotionGraph, pair: tuple[int, int]) -> None:
     axes.set_xlim(-1, graph.frames[pair[1]])
     axes.set_ylim(graph.frames[pair[0]], -1)
     axes.set_title(f"edges from {names[0]} to {names[1]}", fontsize="medium")
-    axes.legend(loc="upper right", fontsize="small")
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.1), fontsize="small", frameon=False)
 
 
 def draw_reach(place: np.ndarray, yaw: np.ndarray, seconds: float, path: Path) -> None:

@@ -6,10 +6,10 @@ begin at the origin, facing +Z; where each is after the time is where the body c
 
 import numpy as np
 
-from stimuli.graph.score_loop import LONGEST, Space
+from stimuli.graph.score_loop import MOST_NODES, Space
 from stimuli.motion.quaternions import Array
 
-CELL = 0.25  # metres of a side of a cell of the floor
+_CELL = 0.25  # metres of a side of a cell of the floor
 SECTOR = 10.0  # degrees
 
 
@@ -18,7 +18,7 @@ def places_reached(space: Space, frames: int, walks: int, seed: int = 0) -> tupl
     from stimuli.graph.walk_loop import random_walk
 
     random = np.random.SeedSequence([seed]).generate_state(1, np.uint64) | np.uint64(1)
-    path = np.zeros(LONGEST, dtype=np.int32)
+    path = np.zeros(MOST_NODES, dtype=np.int32)
     place, yaw = [], []
     for _ in range(walks):
         count = random_walk(space, random, path, 0, 0, 0, frames, False)
@@ -50,6 +50,6 @@ def end_of(space: Space, path: np.ndarray, frames: int) -> tuple[complex, comple
 
 def shares(place: Array, yaw: Array) -> tuple[float, float]:
     """Square metres of floor reached, and the share of all headings."""
-    cells = {(int(x), int(z)) for x, z in np.floor(place / CELL)}
+    cells = {(int(x), int(z)) for x, z in np.floor(place / _CELL)}
     sectors = set(np.floor(np.degrees(yaw) / SECTOR).astype(int) % int(360 / SECTOR))
-    return len(cells) * CELL**2, len(sectors) * SECTOR / 360
+    return len(cells) * _CELL**2, len(sectors) * SECTOR / 360

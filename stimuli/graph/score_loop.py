@@ -1,6 +1,6 @@
 """The score S of a path (eq. 1), compiled: O(1) for a piece, however long it is.
 
-Places on the floor are complex numbers z + ix, so that a turn by a heading θ is a product with
+Rows on the floor are complex numbers z + ix, so that a turn by a heading θ is a product with
 e^{iθ}. A piece is placed so that the frame before its first lies where the last frame of the piece
 before it would be.
 """
@@ -11,11 +11,10 @@ import numpy as np
 import numpy.typing as npt
 
 from stimuli.compiled import compiled
+from stimuli.graph.arrays import Complex, Indices
 from stimuli.motion.quaternions import Array
 
-Complex = npt.NDArray[np.complex128]
-Whole = npt.NDArray[np.int32]
-LONGEST = 96  # edges of a path
+MOST_NODES = 96  # edges of a path
 TEN_DEGREES = np.pi / 18
 
 
@@ -25,19 +24,19 @@ class Space(NamedTuple):
     The last clip is none: edges that leave it are those at which a motion starts.
     """
 
-    first: Whole  # (N + 1,) where each clip's frames begin
-    frames: Whole  # (N + 1,) of each clip
-    exits: Whole  # (N + 1,)
+    first: Indices  # (N + 1,) where each clip's frames begin
+    frames: Indices  # (N + 1,) of each clip
+    exits: Indices  # (N + 1,)
     place: Complex  # (F,) on the floor
     turn: Complex  # (F,) e^{iθ} of the heading
-    node_from: Whole  # (M,) clip left
-    node_to: Whole  # (M,) clip entered
-    node_i: Whole  # (M,) frame left, of the leaf that stands for a node
-    node_j: Whole  # (M,) frame entered
+    node_from: Indices  # (M,) clip left
+    node_to: Indices  # (M,) clip entered
+    node_i: Indices  # (M,) frame left, of the leaf that stands for a node
+    node_j: Indices  # (M,) frame entered
     node_cost: npt.NDArray[np.float32]  # (M,)
-    right: Whole  # (M,) second child, 0 for a leaf
-    roots: Whole  # (R + 1,) where each tree begins, by clip left, then clip entered
-    pair: Whole  # (N + 1, N + 2) index into `roots` of the first tree of a pair of clips
+    right: Indices  # (M,) second child, 0 for a leaf
+    roots: Indices  # (R + 1,) where each tree begins, by clip left, then clip entered
+    pair: Indices  # (N + 1, N + 2) index into `roots` of the first tree of a pair of clips
 
 
 class Aim(NamedTuple):
@@ -46,37 +45,37 @@ class Aim(NamedTuple):
     frames: int
     cut_weight: float
     frames_weight: float
-    body_at: Whole  # (B,) the first at frame 0
+    body_at: Indices  # (B,) the first at frame 0
     body_place: Complex
     body_turn: Complex
     body_weight: Array
-    joint_at: Whole  # (J,)
+    joint_at: Indices  # (J,)
     joint_place: Array  # (J, 3)
     joint_velocity: Array  # (J, 3) metres a frame, NaN where none is demanded
     joint_weight: Array
     joint_local: Array  # (J, F, 3) where the demanded joint is in the torso frame
     joint_step: Array  # (J, F, 3) its step to the next frame, in the torso frame
-    style_from: Whole  # (S,)
-    style_to: Whole
+    style_from: Indices  # (S,)
+    style_to: Indices
     style_weight: Array
-    style_count: Whole  # (S, F + 1) frames so far that have the label
-    avoid_kind: Whole  # (A,) 0 circle, 1 box
+    style_count: Indices  # (S, F + 1) frames so far that have the label
+    avoid_kind: Indices  # (A,) 0 circle, 1 box
     avoid_shape: Array  # (A, 6) x, z, radius of a circle; low and high corners of a box
     avoid_weight: Array
     joints: npt.NDArray[np.float32]  # (F, K, 3) of every joint in the torso frame, or none
     reach: npt.NDArray[np.float32]  # (F,) how far over the floor the farthest joint is
-    stops: Whole  # times up to which paths are compared while they grow, the last `frames`
-    effort: Whole  # (4,) see `aim.Effort`
+    stops: Indices  # times up to which paths are compared while they grow, the last `frames`
+    effort: Indices  # (4,) see `aim.Effort`
     locked: int  # nodes at the beginning of every path that may not change
-    pose_at: Whole  # (H,)
-    pose_clip: Whole
-    pose_frame: Whole
+    pose_at: Indices  # (H,)
+    pose_clip: Indices
+    pose_frame: Indices
 
 
 class Trace(NamedTuple):
     """Where the pieces of a path lie and what it costs up to each: filled by scoring.
 
-    A row a piece: turn, shift, first time, cost before it, demands met before it; `style` (LONGEST
+    A row a piece: turn, shift, first time, cost before it, demands met before it; `style` (MOST_NODES
     + 1, S) are the frames with each label so far.
     """
 
@@ -84,13 +83,13 @@ class Trace(NamedTuple):
     shift: Complex
     time: npt.NDArray[np.int64]  # with one more, for the end
     total: Array
-    met: npt.NDArray[np.int64]  # (LONGEST + 1, 3) of body, joint, pose
+    met: npt.NDArray[np.int64]  # (MOST_NODES + 1, 3) of body, joint, pose
     style: Array
 
 
 def new_trace(aim: Aim) -> Trace:
     """Room for the trace of one path."""
-    rows = LONGEST + 1
+    rows = MOST_NODES + 1
     return Trace(
         np.zeros(rows, dtype=complex),
         np.zeros(rows, dtype=complex),
@@ -103,7 +102,7 @@ def new_trace(aim: Aim) -> Trace:
 
 @compiled(nogil=True)
 def score_path(
-    space: Space, aim: Aim, path: Whole, count: int, frames: int, bound: float,
+    space: Space, aim: Aim, path: Indices, count: int, frames: int, bound: float,
     begun: Trace, since: int, trace: Trace,
 ) -> tuple[float, int]:  # fmt: skip
     """S of a path of `count` nodes, infinite where it is none; and how many nodes the motion uses.
@@ -122,7 +121,7 @@ def score_path(
 
 @compiled(nogil=True)
 def _pieces(
-    space: Space, aim: Aim, path: Whole, count: int, frames: int, bound: float,
+    space: Space, aim: Aim, path: Indices, count: int, frames: int, bound: float,
     begun: Trace, since: int, trace: Trace,
 ) -> tuple[float, int]:  # fmt: skip
     """All terms but those of places to avoid."""
@@ -217,7 +216,7 @@ def _joint(space: Space, aim: Aim, joint: int, g: int, turn: complex, shift: com
 
 
 @compiled(nogil=True)
-def _avoided(space: Space, aim: Aim, path: Whole, used: int, bound: float, trace: Trace) -> float:
+def _avoided(space: Space, aim: Aim, path: Indices, used: int, bound: float, trace: Trace) -> float:
     """What frames cost in which a joint is where none may be: three like ten too many."""
     total = 0.0
     for a in range(len(aim.avoid_kind)):

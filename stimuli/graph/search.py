@@ -17,8 +17,8 @@ from stimuli.errors import InputError
 from stimuli.graph.aim import aim_at
 from stimuli.graph.demands import Demands
 from stimuli.graph.graph import MotionGraph
-from stimuli.graph.plan import Plan, Stretch, plan_of
-from stimuli.graph.score_loop import LONGEST, Aim, Space, Trace, new_trace
+from stimuli.graph.plan import MotionPlan, Stretch, motion_plan
+from stimuli.graph.score_loop import MOST_NODES, Aim, Space, Trace, new_trace
 
 CREWS = 2
 KEPT = 16  # local minima of a crew, each of clips of its own
@@ -32,8 +32,8 @@ class Crew:
 
     random: np.ndarray
     traces: tuple[Trace, Trace]
-    current: np.ndarray = field(default_factory=lambda: np.zeros(LONGEST, dtype=np.int32))
-    kept: np.ndarray = field(default_factory=lambda: np.zeros((KEPT, LONGEST), dtype=np.int32))
+    current: np.ndarray = field(default_factory=lambda: np.zeros(MOST_NODES, dtype=np.int32))
+    kept: np.ndarray = field(default_factory=lambda: np.zeros((KEPT, MOST_NODES), dtype=np.int32))
     counts: np.ndarray = field(default_factory=lambda: np.zeros(KEPT + 1, dtype=np.int64))
     scores: np.ndarray = field(default_factory=lambda: np.full(KEPT + 1, np.inf))
     tried: int = 0
@@ -90,7 +90,7 @@ class Search:
         return True
 
     def _work(self, crew: Crew, goal: int | None, end: float | None, stop: threading.Event) -> None:
-        from stimuli.graph.search_loop import search_on
+        from stimuli.graph.crew_loop import search_on
 
         while not stop.is_set():
             most = QUANTUM if goal is None else min(QUANTUM, goal - crew.tried)
@@ -112,7 +112,7 @@ class Search:
         """How many mutations were scored."""
         return sum(crew.tried for crew in self.crews)
 
-    def plans(self, count: int = 1) -> list[Plan]:
+    def plans(self, count: int = 1) -> list[MotionPlan]:
         """The best `count` motions found, best first, each made of other clips than those before.
 
         InputError where there is none.
@@ -128,13 +128,13 @@ class Search:
                 "search: expected a motion through all poses at their times, found none.\n"
                 "Give it more --seconds, or the poses other times."
             )
-        chosen: list[Plan] = []
+        chosen: list[MotionPlan] = []
         seen: list[frozenset[int]] = []
         for _, path in sorted(found, key=lambda entry: (entry[0], entry[1].tolist())):
             clips = frozenset(self.space.node_to[path].tolist())
             if clips not in seen and len(chosen) < count:
                 seen.append(clips)
-                chosen.append(plan_of(self.demands, self.pieces(path), self.collection))
+                chosen.append(motion_plan(self.demands, self.pieces(path), self.collection))
         return chosen
 
     def pieces(self, path: np.ndarray) -> list[Stretch]:
@@ -158,7 +158,7 @@ def _wait(work: Sequence[object]) -> None:
     wait(work, timeout=0.05)  # type: ignore[arg-type]
 
 
-def begin(
+def begin_search(
     demands: Demands,
     graph: MotionGraph,
     collection: Collection,
@@ -202,8 +202,8 @@ def _locked(pieces: Sequence[Stretch], until: int) -> int:
 
 def _given(crew: Crew, path: np.ndarray, space: Space, aim: Aim) -> None:
     """An earlier answer as what the crew climbs from, and as the first that it keeps."""
+    from stimuli.graph.crew_loop import keep
     from stimuli.graph.score_loop import score_path
-    from stimuli.graph.search_loop import keep
 
     crew.current[: len(path)] = path
     score, used = score_path(

@@ -7,17 +7,12 @@ would be reached one by one.
 """
 
 import numpy as np
-import numpy.typing as npt
 
 from stimuli.compiled import compiled
-from stimuli.graph.score_loop import LONGEST, Aim, Space, Trace, Whole, score_path
-from stimuli.graph.walk_loop import Random, draw, entered, random_walk, walk_to_poses, within
-from stimuli.motion.quaternions import Array
+from stimuli.graph.arrays import Indices
+from stimuli.graph.score_loop import MOST_NODES, Aim, Space, Trace, score_path
+from stimuli.graph.walk_loop import Random, draw, within
 
-Places = npt.NDArray[np.int64]
-Flags = npt.NDArray[np.bool_]
-
-SEEDS = 40  # walks through poses of which the best is a seed
 SCARCE = 1e-9  # scores that differ by less are equal
 
 
@@ -37,7 +32,7 @@ def near(space: Space, random: Random, node: int) -> int:
 
 @compiled(nogil=True)
 def mutated(
-    space: Space, aim: Aim, random: Random, path: Whole, count: int, new: Whole
+    space: Space, aim: Aim, random: Random, path: Indices, count: int, new: Indices
 ) -> tuple[int, int]:
     """A random mutation of a path, written to `new`: how many nodes it has, 0 where it fails.
 
@@ -62,7 +57,7 @@ def mutated(
 
 @compiled(nogil=True)
 def _replaced(
-    space: Space, random: Random, path: Whole, count: int, p: int, q: int, kind: int, new: Whole
+    space: Space, random: Random, path: Indices, count: int, p: int, q: int, kind: int, new: Indices
 ) -> int:  # fmt: skip
     """What lies between nodes p and q replaced by no edge (kind 0), one (1, 2) or two (3, 4).
 
@@ -73,7 +68,7 @@ def _replaced(
     hops = (kind + 1) // 2
     if p < 0 and hops == 0:
         return 0
-    if p + 1 + hops + count - q > LONGEST:
+    if p + 1 + hops + count - q > MOST_NODES:
         return 0
     new[: p + 1] = path[: p + 1]
     place = p + 1
@@ -102,14 +97,14 @@ def _replaced(
 
 @compiled(nogil=True)
 def climb(
-    space: Space, aim: Aim, random: Random, path: Whole, count: int, score: float,
+    space: Space, aim: Aim, random: Random, path: Indices, count: int, score: float,
     most: int, trace: Trace, spare: Trace,
 ) -> tuple[int, float, int, bool]:  # fmt: skip
-    """Betters a path in place by random mutations, then by all, until none does or `most` are tried.
+    """Betters a path in place by random mutations, then by all, until none does, or so many tried.
 
     Returns its nodes, its score, how many mutations were scored, and whether it is a local minimum.
     """
-    new = np.empty(LONGEST, np.int32)
+    new = np.empty(MOST_NODES, np.int32)
     tried, idle = 0, 0
     score_path(space, aim, path, count, aim.frames, np.inf, trace, 0, trace)
     while tried < most:
@@ -136,7 +131,7 @@ def climb(
 
 @compiled(nogil=True)
 def best_of_all(
-    space: Space, aim: Aim, path: Whole, count: int, score: float, new: Whole, trace: Trace,
+    space: Space, aim: Aim, path: Indices, count: int, score: float, new: Indices, trace: Trace,
     spare: Trace,
 ) -> tuple[int, float, int]:  # fmt: skip
     """The best of all mutations (b), and of (a) by no edge or one, written to `path` if better."""
@@ -164,7 +159,7 @@ def best_of_all(
             if q < count:
                 right = space.node_from[path[q]]
                 low, high = space.pair[left, right], space.pair[left, right + 1]
-            if p + 2 + count - q > LONGEST:
+            if p + 2 + count - q > MOST_NODES:
                 continue
             for root in range(low, high):
                 node = space.roots[root]
@@ -193,7 +188,7 @@ def best_of_all(
 
 @compiled(nogil=True)
 def _demoted(
-    space: Space, path: Whole, count: int, p: int, q: int, choice: int, new: Whole
+    space: Space, path: Indices, count: int, p: int, q: int, choice: int, new: Indices
 ) -> bool:
     """Nodes p and q (or p alone, where q is p) replaced by one of each one's children, if any."""
     new[:count] = path[:count]
@@ -207,11 +202,11 @@ def _demoted(
 
 
 @compiled(nogil=True)
-def shaken(space: Space, aim: Aim, random: Random, path: Whole, count: int, trace: Trace) -> (
+def shaken(space: Space, aim: Aim, random: Random, path: Indices, count: int, trace: Trace) -> (
     tuple[int, float]
 ):  # fmt: skip
     """A path with some mutations in a row, whatever they cost: its nodes and score, 0 for none."""
-    new = np.empty(LONGEST, np.int32)
+    new = np.empty(MOST_NODES, np.int32)
     value = np.inf
     for _ in range(1 + draw(random, 3)):
         for _ in range(50):
@@ -224,175 +219,3 @@ def shaken(space: Space, aim: Aim, random: Random, path: Whole, count: int, trac
                 count, value = used, found
                 break
     return (count, value) if value < np.inf else (0, value)
-
-
-@compiled(nogil=True)
-def search_on(
-    space: Space, aim: Aim, random: Random, current: Whole, kept: Whole, counts: Places,
-    scores: Array, by_frame: Places, first_of: Places, reached: Flags, most: int, trace: Trace,
-    spare: Trace,
-) -> int:  # fmt: skip
-    """Goes on with a search for about `most` mutations; returns how many it tried.
-
-    The state of a search are its generator, the path that it climbs from (`current`; its nodes and
-    score the last of `counts` and `scores`) and the local minima that it keeps, each of clips of
-    its own: `kept` (K, LONGEST), `counts` (K + 1,), `scores` (K + 1,). `by_frame`, `first_of` and
-    `reached` lead to poses that must be hit, and are empty where there are none.
-    """
-    tried, last = 0, len(kept)
-    while tried < most:
-        if counts[last] == 0:
-            counts[last], scores[last] = _begun(
-                space, aim, random, current, kept, counts, scores, by_frame, first_of, reached,
-                trace, spare,
-            )  # fmt: skip
-            tried += SEEDS
-            if counts[last] == 0:
-                continue
-        count, score, spent, least = climb(
-            space,
-            aim,
-            random,
-            current,
-            counts[last],
-            scores[last],
-            most - tried,
-            trace,
-            spare,
-        )
-        counts[last], scores[last] = count, score
-        tried += spent
-        keep(space, current, count, score, kept, counts, scores)
-        if least:
-            counts[last] = 0
-    return tried
-
-
-@compiled(nogil=True)
-def grown(
-    space: Space, aim: Aim, random: Random, path: Whole, count: int, trace: Trace, spare: Trace
-) -> tuple[int, float]:
-    """A path of `count` nodes gone on with from one demand to the next, written in place.
-
-    Of random walks up to a demand's time the best few are kept, and gone on with.
-    """
-    beam, counts = np.empty((aim.effort[0], LONGEST), np.int32), np.zeros(aim.effort[0], np.int64)
-    beam[0], counts[0] = path, count
-    many, before = 1, entered(space, path, count)
-    new = np.empty(LONGEST, np.int32)
-    least, best = np.inf, 0
-    for stop in aim.stops:
-        if count and stop <= before + 1:
-            continue
-        ahead, lengths = (
-            np.empty((aim.effort[0], LONGEST), np.int32),
-            np.zeros(aim.effort[0], np.int64),
-        )
-        scores = np.full(aim.effort[0], np.inf)
-        for b in range(many):
-            had = counts[b]
-            new[:had] = beam[b, :had]
-            if had:
-                score_path(space, aim, new, had, stop, np.inf, trace, 0, trace)
-            time, since = entered(space, new, had), max(had - 1, 0)
-            for _ in range(aim.effort[1] // many):
-                length = random_walk(space, random, new, had, time, before, stop, False)
-                score, used = score_path(
-                    space, aim, new, length, stop, scores[-1], trace, since, spare
-                )
-                _into_beam(new, used, score, ahead, lengths, scores)
-        many = np.sum(scores < np.inf)
-        if many == 0:
-            return 0, np.inf
-        beam, counts, before = ahead, lengths, stop
-        least, best = scores[0], lengths[0]
-    if best:
-        path[:best] = beam[0, :best]
-    return best, least
-
-
-@compiled(nogil=True)
-def _into_beam(
-    path: Whole, count: int, score: float, beam: Whole, counts: Places, scores: Array
-) -> None:
-    """Puts a path among the best few, unless one of the same score is there."""
-    last = len(scores) - 1
-    if score >= scores[last] or np.any(scores == score):
-        return
-    while last and scores[last - 1] > score:
-        beam[last], counts[last], scores[last] = beam[last - 1], counts[last - 1], scores[last - 1]
-        last -= 1
-    beam[last, :count] = path[:count]
-    counts[last], scores[last] = count, score
-
-
-@compiled(nogil=True)
-def _begun(
-    space: Space, aim: Aim, random: Random, current: Whole, kept: Whole, counts: Places,
-    scores: Array, by_frame: Places, first_of: Places, reached: Flags, trace: Trace, spare: Trace,
-) -> tuple[int, float]:  # fmt: skip
-    """A path to climb from: a kept one that is shaken, or the best of some random walks."""
-    last = len(kept)
-    some = 0
-    while some < last and counts[some]:
-        some += 1
-    count = 0
-    if some and draw(random, 10) < aim.effort[3]:
-        chosen = draw(random, 1 + draw(random, some))  # the better the likelier
-        current[:] = kept[chosen]
-        if draw(random, 3) == 0 or len(reached):
-            return shaken(space, aim, random, current, counts[chosen], trace)
-        count = aim.locked + draw(random, max(counts[chosen] - aim.locked, 1))
-    elif aim.locked:
-        current[:] = kept[0]
-        count = aim.locked
-    if len(reached) == 0:
-        return grown(space, aim, random, current, count, trace, spare)
-    least, best = np.inf, 0
-    path = np.empty(LONGEST, np.int32)
-    for _ in range(SEEDS):
-        length = walk_to_poses(space, aim, random, path, by_frame, first_of, reached)
-        if length:
-            score, used = score_path(space, aim, path, length, aim.frames, least, trace, 0, trace)
-            if score < least:
-                least, best = score, used
-                current[:used] = path[:used]
-    return best, least
-
-
-@compiled(nogil=True)
-def keep(
-    space: Space, path: Whole, count: int, score: float, kept: Whole, counts: Places, scores: Array
-) -> None:
-    """Keeps a path where it is among the best, one for each sequence of clips; best first."""
-    last = len(kept)
-    place = last
-    for k in range(last):
-        if counts[k] and _same_clips(space, path, count, kept[k], counts[k]):
-            if scores[k] <= score:
-                return
-            place = k
-            break
-        if counts[k] == 0:
-            place = k
-            break
-    if place == last:
-        place = last - 1
-        if scores[place] <= score:
-            return
-    while place and scores[place - 1] > score:
-        kept[place], counts[place] = kept[place - 1], counts[place - 1]
-        scores[place] = scores[place - 1]
-        place -= 1
-    kept[place, :count] = path[:count]
-    counts[place], scores[place] = count, score
-
-
-@compiled(nogil=True)
-def _same_clips(space: Space, one: Whole, count: int, other: Whole, length: int) -> bool:
-    if count != length:
-        return False
-    for k in range(count):
-        if space.node_to[one[k]] != space.node_to[other[k]]:
-            return False
-    return True

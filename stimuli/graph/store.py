@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+from collections.abc import Callable
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -12,9 +13,10 @@ import numpy as np
 from stimuli.collection import Collection
 from stimuli.errors import InputError
 from stimuli.files import write_atomic
+from stimuli.graph.build import build_graph
 from stimuli.graph.graph import MotionGraph
 
-FORMAT = "segue-graph 1"
+_FORMAT = "segue-graph 1"
 ARRAYS = {
     "frames": "i4", "labels": "f4", "right": "i4", "leaf": "i4",
     "roots": "i4", "root_from": "i4", "root_to": "i4",
@@ -23,7 +25,7 @@ ARRAYS = {
 
 def graph_key(collection: Collection, tau: float) -> str:
     """What names a graph: the frames of its clips and its settings."""
-    made_of = [FORMAT, collection.hash, float(tau).hex()]
+    made_of = [_FORMAT, collection.hash, float(tau).hex()]
     return hashlib.sha256(json.dumps(made_of).encode()).hexdigest()[:24]
 
 
@@ -35,10 +37,24 @@ def graph_place(collection: Collection, tau: float) -> Path:
     return folder / f"{graph_key(collection, tau)}.npz"
 
 
+def graph_kept(
+    collection: Collection, tau: float, make: Callable[[Path], MotionGraph] | None = None
+) -> MotionGraph:
+    """The graph of the user's cache, else built and kept there, by `make` where that is given."""
+    place = graph_place(collection, tau)
+    if place.is_file():
+        return read_graph(place, collection)
+    if make is not None:
+        return make(place)
+    graph = build_graph(collection, tau)
+    write_graph(graph, place)
+    return graph
+
+
 def write_graph(graph: MotionGraph, path: Path) -> None:
     """Write a graph, whole or not at all; the same graph is the same bytes."""
     head = {
-        "format": FORMAT,
+        "format": _FORMAT,
         "names": list(graph.names),
         "tau": graph.tau,
         "collection": graph.collection,
@@ -62,7 +78,7 @@ def read_graph(path: Path, collection: Collection | None = None) -> MotionGraph:
         ) from None
     except (OSError, ValueError, KeyError, TypeError, EOFError, BadZipFile) as error:
         raise _refused(path, f"a damaged or foreign file ({_short(error)})") from error
-    if not isinstance(head, dict) or head.get("format") != FORMAT:
+    if not isinstance(head, dict) or head.get("format") != _FORMAT:
         raise _refused(path, "a file of another kind or version")
     if fault := _fault(head, arrays):
         raise _refused(path, f"a damaged one: {fault}")

@@ -4,18 +4,17 @@ Points are edges of one ordered pair of clips, as (frame left, frame entered), i
 """
 
 import numpy as np
-import numpy.typing as npt
 
 from stimuli.compiled import compiled, inlined
+from stimuli.graph.arrays import Rows
 from stimuli.motion.quaternions import Array
 
-Places = npt.NDArray[np.int64]
-ROUNDS = 20  # of k-means at most
-HALVINGS = 10  # rounds of 2-means
+_ROUNDS = 20  # of k-means at most
+_HALVINGS = 10  # rounds of 2-means
 
 
 @inlined
-def _root(above: Places, point: int) -> int:
+def _root(above: Rows, point: int) -> int:
     while above[point] != point:
         above[point] = above[above[point]]
         point = above[point]
@@ -23,7 +22,7 @@ def _root(above: Places, point: int) -> int:
 
 
 @compiled(nogil=True)
-def groups(x: Places, y: Places) -> Places:
+def groups(x: Rows, y: Rows) -> Rows:
     """The connected group (E,) of each point by 8 neighbours, numbered in order of first points."""
     above = np.arange(len(x))
     before = 0  # the first point of the row before
@@ -55,7 +54,7 @@ def groups(x: Places, y: Places) -> Places:
 
 
 @inlined
-def _moments(x: Places, y: Places, points: Places) -> tuple[float, float, float, float, float]:
+def _moments(x: Rows, y: Rows, points: Rows) -> tuple[float, float, float, float, float]:
     """Means of x and y, and the covariance's xx, xy, yy."""
     mx = my = 0.0
     for p in points:
@@ -73,7 +72,7 @@ def _moments(x: Places, y: Places, points: Places) -> tuple[float, float, float,
 
 
 @compiled(nogil=True)
-def clusters_wanted(x: Places, y: Places, points: Places) -> int:
+def clusters_wanted(x: Rows, y: Rows, points: Rows) -> int:
     """⌈√(major · minor)⌉: axes in frames of the ellipse that fits a group, each one at least.
 
     A filled ellipse is four standard deviations long on each of its axes.
@@ -86,7 +85,7 @@ def clusters_wanted(x: Places, y: Places, points: Places) -> int:
 
 
 @compiled(nogil=True)
-def k_means(x: Places, y: Places, points: Places, count: int) -> Places:
+def k_means(x: Rows, y: Rows, points: Rows, count: int) -> Rows:
     """The cluster (P,) of each point; fewer than `count` where some would be empty.
 
     Begun at points that lie far from those taken before (farthest first), from the first one on.
@@ -106,7 +105,7 @@ def k_means(x: Places, y: Places, points: Places, count: int) -> Places:
             far[k] = min(far[k], away)
             if far[k] > most:
                 most, chosen = far[k], k
-    for _ in range(ROUNDS):
+    for _ in range(_ROUNDS):
         changed = _assigned(x, y, points, cx, cy, cluster)
         sums = np.zeros((count, 3))
         for k in range(n):
@@ -122,7 +121,7 @@ def k_means(x: Places, y: Places, points: Places, count: int) -> Places:
 
 
 @compiled(nogil=True)
-def _assigned(x: Places, y: Places, points: Places, cx: Array, cy: Array, cluster: Places) -> bool:
+def _assigned(x: Rows, y: Rows, points: Rows, cx: Array, cy: Array, cluster: Rows) -> bool:
     """Each point to the nearest centre, the first of equal ones; whether any moved."""
     changed = False
     for k in range(len(points)):
@@ -139,7 +138,7 @@ def _assigned(x: Places, y: Places, points: Places, cx: Array, cy: Array, cluste
 
 
 @compiled(nogil=True)
-def halved(x: Places, y: Places, points: Places) -> int:
+def halved(x: Rows, y: Rows, points: Rows) -> int:
     """Puts one half by 2-means before the other, in place; how many points the first half has."""
     n = len(points)
     mx, my, xx, xy, yy = _moments(x, y, points)
@@ -148,7 +147,7 @@ def halved(x: Places, y: Places, points: Places) -> int:
     side = np.empty(n, np.bool_)
     for k in range(n):
         side[k] = (x[points[k]] - mx) * ax + (y[points[k]] - my) * ay > 0.0
-    for _ in range(HALVINGS):
+    for _ in range(_HALVINGS):
         sums = np.zeros((2, 3))
         for k in range(n):
             sums[int(side[k]), 0] += x[points[k]]
@@ -166,7 +165,7 @@ def halved(x: Places, y: Places, points: Places) -> int:
             side[k] = over
         if not changed:
             break
-    first = np.sum(~side)
+    first = n - int(np.sum(side))
     if first in (0, n):
         return n // 2
     kept = points.copy()
@@ -183,8 +182,8 @@ def halved(x: Places, y: Places, points: Places) -> int:
 
 @compiled(nogil=True)
 def grow(
-    x: Places, y: Places, cost: Array, points: Places, base: int,
-    labels: Array, right: Places, middle: Places, leaf: Places,
+    x: Rows, y: Rows, cost: Array, points: Rows, base: int,
+    labels: Array, right: Rows, middle: Rows, leaf: Rows,
 ) -> int:  # fmt: skip
     """Writes the tree of a cluster from node `base` on, in pre-order; the node after its last.
 
@@ -222,7 +221,7 @@ def grow(
 
 
 @compiled(nogil=True)
-def _nearest(x: Places, y: Places, points: Places, mx: float, my: float) -> int:
+def _nearest(x: Rows, y: Rows, points: Rows, mx: float, my: float) -> int:
     """The point nearest to a place, the first of equal ones."""
     best, least = points[0], np.inf
     for p in points:
@@ -233,9 +232,7 @@ def _nearest(x: Places, y: Places, points: Places, mx: float, my: float) -> int:
 
 
 @compiled(nogil=True)
-def forest(
-    x: Places, y: Places, cost: Array, pairs: Places
-) -> tuple[Array, Places, Places, Places, Places]:
+def forest(x: Rows, y: Rows, cost: Array, pairs: Rows) -> tuple[Array, Rows, Rows, Rows, Rows]:
     """All trees of edges that leave a clip, whose pairs begin at `pairs` (P + 1,).
 
     Labels (M, 3), `right` (M,), the leaf (M,) nearest to each node's label, roots, and of which

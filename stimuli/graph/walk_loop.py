@@ -4,11 +4,11 @@ import numpy as np
 import numpy.typing as npt
 
 from stimuli.compiled import compiled
-from stimuli.graph.score_loop import LONGEST, Aim, Space, Trace, Whole, score_path
+from stimuli.graph.arrays import Indices, Rows
+from stimuli.graph.score_loop import MOST_NODES, Aim, Space, Trace, score_path
 
 Random = npt.NDArray[np.uint64]  # (1,) the state of a generator, never 0
-Places = npt.NDArray[np.int64]
-TRIES = 16  # to find an edge that leads on
+_TRIES = 16  # to find an edge that leads on
 ON = 0.97  # of the frames of a walk towards a pose that go on in their clip where they can
 
 
@@ -20,7 +20,7 @@ def draw(random: Random, below: int) -> int:
     x ^= x << np.uint64(25)
     x ^= x >> np.uint64(27)
     random[0] = x
-    return np.int64((x * np.uint64(2685821657736338717)) >> np.uint64(33)) % below
+    return int((x * np.uint64(2685821657736338717)) >> np.uint64(33)) % below
 
 
 @compiled(nogil=True)
@@ -41,27 +41,27 @@ def within(space: Space, random: Random, root: int) -> int:
 
 @compiled(nogil=True)
 def random_walk(
-    space: Space, random: Random, path: Whole, count: int, time: int, since: int, frames: int,
+    space: Space, random: Random, path: Indices, count: int, time: int, since: int, frames: int,
     leaves: bool,
 ) -> int:  # fmt: skip
     """Goes on with a path of `count` nodes until it lasts `frames`; how many it has then.
 
-    `time` is when the clip that it ends in is entered. No new edge leaves a clip before the time `since`. By edges of G (`leaves`), else by nodes of
-    any level.
+    `time` is when the clip that it ends in is entered. No new edge leaves a clip before the time
+    `since`. By edges of G (`leaves`), else by nodes of any level.
     """
     none = len(space.frames) - 1
     if count == 0:
         first, stop = space.pair[none, 0], space.pair[none, none]
         path[0] = _chosen(space, random, first + draw(random, stop - first), leaves)
         count = 1
-    while time < frames and count < LONGEST:
+    while time < frames and count < MOST_NODES:
         clip, j = space.node_to[path[count - 1]], space.node_j[path[count - 1]]
         remains = frames - time
         if space.frames[clip] - 1 - j >= remains and draw(random, 2):
             return count
         first, stop = space.pair[clip, 0], space.pair[clip, none]
         found = -1
-        for _ in range(TRIES if stop > first else 0):
+        for _ in range(_TRIES if stop > first else 0):
             node = _chosen(space, random, first + draw(random, stop - first), leaves)
             onto = space.node_to[node]
             spent = space.node_i[node] - j
@@ -80,7 +80,7 @@ def random_walk(
 
 
 @compiled(nogil=True)
-def entered(space: Space, path: Whole, count: int) -> int:
+def entered(space: Space, path: Indices, count: int) -> int:
     """When the last piece of a path begins."""
     time = 0
     for k in range(count - 1):
@@ -100,7 +100,7 @@ def _chosen(space: Space, random: Random, root: int, leaves: bool) -> int:
 
 @compiled(nogil=True)
 def walk_to_poses(
-    space: Space, aim: Aim, random: Random, path: Whole, by_frame: Places, first_of: Places,
+    space: Space, aim: Aim, random: Random, path: Indices, by_frame: Rows, first_of: Rows,
     reached: npt.NDArray[np.bool_],
 ) -> int:  # fmt: skip
     """The same through all poses that must be hit, at their times.
@@ -119,7 +119,7 @@ def walk_to_poses(
         cut = -1
         if not stays or chance(random) > ON:
             cut = _any_cut(space, random, by_frame, first_of, reached[time + 1], g)
-        if cut >= 0 and count < LONGEST:
+        if cut >= 0 and count < MOST_NODES:
             path[count] = cut
             count += 1
             clip = space.node_to[cut]
@@ -141,7 +141,7 @@ def walk_to_poses(
 
 @compiled(nogil=True)
 def _any_cut(
-    space: Space, random: Random, by_frame: Places, first_of: Places,
+    space: Space, random: Random, by_frame: Rows, first_of: Rows,
     good: npt.NDArray[np.bool_], g: int,
 ) -> int:  # fmt: skip
     """An edge that leaves frame g for one from which the pose is reached, the first of a round."""
@@ -152,9 +152,9 @@ def _any_cut(
     for n in range(high - low):
         leaf = by_frame[low + (begin + n) % (high - low)]
         clip = space.node_to[leaf]
-        if space.node_j[leaf] + 1 < space.frames[clip]:
-            if good[space.first[clip] + space.node_j[leaf] + 1]:
-                return leaf
+        after = space.node_j[leaf] + 1
+        if after < space.frames[clip] and good[space.first[clip] + after]:
+            return leaf
     return -1
 
 
@@ -171,7 +171,7 @@ def _start_at(space: Space, clip: int, j: int) -> int:
 
 @compiled(nogil=True)
 def pose_reached(
-    space: Space, pose: int, steps: int, by_frame: Places, first_of: Places
+    space: Space, pose: int, steps: int, by_frame: Rows, first_of: Rows
 ) -> npt.NDArray[np.bool_]:
     """From which frames (steps + 1, F) a frame is reached in 0, 1 … steps frames exactly."""
     frames = len(space.place)
@@ -194,10 +194,10 @@ def pose_reached(
 
 @compiled(nogil=True)
 def best_walk(
-    space: Space, aim: Aim, random: Random, walks: int, leaves: bool, best: Whole, trace: Trace
+    space: Space, aim: Aim, random: Random, walks: int, leaves: bool, best: Indices, trace: Trace
 ) -> tuple[float, int]:
     """The best of so many random walks, its score and how many nodes it has, 0 for none."""
-    path = np.empty(LONGEST, np.int32)
+    path = np.empty(MOST_NODES, np.int32)
     least, kept = np.inf, 0
     for _ in range(walks):
         count = random_walk(space, random, path, 0, 0, 0, aim.frames, leaves)

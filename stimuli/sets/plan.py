@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 from stimuli.errors import InputError, InputWarning
 from stimuli.motion.library import Library
 from stimuli.sets.spec import Pairing, SetSpec
-from stimuli.transition import METHODS, Length, with_room
+from stimuli.sets.ways import way_of
+from stimuli.transition import METHODS, Length, blend_length, with_room
 from stimuli.transition.distance import check_pair
 
 
@@ -80,7 +81,8 @@ def chosen_length(spec: SetSpec, pairing: Pairing, library: Library, method: str
         raise InputError(
             f"set {spec.name}: expected methods among {', '.join(METHODS)}, found {method!r}."
         )
-    return METHODS[method].length(a, b, i, j, spec.specification)
+    route = way_of(spec, pairing, library, method)
+    return blend_length(a, b, i, j, method, spec.specification, route)
 
 
 def check_pairings(spec: SetSpec, library: Library) -> None:

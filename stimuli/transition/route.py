@@ -31,6 +31,7 @@ class Route:
     `leaves` and `enters` are those frames; the last piece is of B. `cost` is of all its cuts.
     """
 
+    from_clip: str
     leaves: int
     enters: int
     pieces: tuple[Piece, ...]
@@ -41,21 +42,27 @@ class Route:
         """Frames from A[i] to B[j]."""
         return sum(map(len, self.pieces))
 
+    @property
+    def cuts(self) -> int:
+        """How often a clip is left for another place; A may go on in the first piece."""
+        first = self.pieces[0]
+        return len(self.pieces) - (first.clip == self.from_clip and first.first == self.leaves + 1)
+
 
 def put_together(
     begun: Motion, pieces: Sequence[Piece], cutting: Cutting = smoothed_cut, locked: bool = False
 ) -> tuple[Motion, list[int]]:
     """A motion gone on with by pieces, each clip played to its end behind the last one.
 
-    Returns the motion and the index of the last frame before each cut. A piece that begins where
-    the motion before it goes on anyway makes no cut. `locked` holds feet that stand.
+    Returns the motion, and the index of the last frame before each piece, the motion's own end
+    being the first. `locked` holds feet that stand.
     """
-    motion, end, cuts = begun, len(begun) - 1, []
+    motion, end, cuts = begun, len(begun) - 1, [len(begun) - 1]
     for piece in pieces:
         joined = cutting(motion, piece.motion, end, piece.first - 1)
         if locked:
             window = center_aligned(end, piece.first - 1, SPREAD)
             joined = lock_feet(joined, motion, piece.motion, window)
-        cuts.append(end)
         motion, end = joined, end + len(piece)
+        cuts.append(end)
     return motion, cuts

@@ -1,4 +1,4 @@
-"""A cut whose discontinuity is spread over a second on either side (Arikan and Forsyth 2002, 4.2.3).
+"""A cut whose discontinuity is spread on both sides (Arikan and Forsyth 2002, section 4.2.3).
 
 `y(f)` is 0 a second before the cut, rises as a parabola to one half at it, falls there to minus one
 half, and is 0 again a second after: added to the motion times the jump at the cut, it makes every

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 METHOD_NAMES = (
     "cut", "fixed", "geodesic", "velocity", "velocity-speed", "timewarp", "per-joint",
-    "inertialization", "inertialization-spring", "dead-blending",
+    "inertialization", "inertialization-spring", "dead-blending", "motion-graph",
 )  # fmt: skip
 _SECONDS = 6.0  # of the clip around a cut that is looked for
 _LONGEST = 120.0

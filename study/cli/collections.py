@@ -5,13 +5,11 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from study.cli.common import add_motions_option, argument, progress
+from study.cli.common import TAU, add_motions_option, progress
 
 if TYPE_CHECKING:
     from stimuli.collection import Collection
     from stimuli.graph import MotionGraph
-
-TAU = argument(float, "a number above 0", lambda x: 0 < x < float("inf"))
 
 
 def add_collection_options(parser: argparse.ArgumentParser) -> None:
@@ -46,15 +44,13 @@ def open_collection(args: argparse.Namespace) -> "Collection":
 
 def open_graph(args: argparse.Namespace) -> tuple["Collection", "MotionGraph"]:
     """The collection and its graph: that of `--graph`, else the one kept, else built and kept."""
-    from stimuli.graph import graph_place, read_graph
+    from stimuli.graph import graph_kept, read_graph
 
     collection = open_collection(args)
     if args.graph is not None:
         return collection, read_graph(args.graph, collection)
-    place = graph_place(collection, args.tau)
-    if place.is_file():
-        return collection, read_graph(place, collection)
-    return collection, made_graph(collection, args.tau, place)
+    tau = args.tau
+    return collection, graph_kept(collection, tau, lambda p: made_graph(collection, tau, p))
 
 
 def made_graph(

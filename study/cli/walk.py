@@ -10,7 +10,7 @@ from study.cli.common import COUNT, SEED, argument
 
 if TYPE_CHECKING:
     from stimuli.collection import Collection
-    from stimuli.graph import Demands, MotionGraph, Plan, Search
+    from stimuli.graph import Demands, MotionGraph, MotionPlan, Search
 
 SECONDS = argument(float, "seconds above 0, up to 86400", lambda x: 0 < x <= 86400)
 JOININGS = ("smooth", "blend", "cut")
@@ -48,7 +48,7 @@ def add_search_arguments(parser: argparse.ArgumentParser) -> None:
 
 def search(args: argparse.Namespace) -> int:
     """Search for every figure of the file; 0 with the best motions that were found."""
-    from stimuli.graph import draw_plan, faults_of, read_demands, search_space
+    from stimuli.graph import draw_plan, read_demands, search_space, unmet_faults
     from stimuli.transition.plots import PICTURES
     from study.cli.collections import open_graph
     from study.cli.common import check_outputs, print_json
@@ -57,7 +57,7 @@ def search(args: argparse.Namespace) -> int:
     check_outputs(("--out", args.out, MOTION_FILES), ("--plot", args.plot, PICTURES))
     file = read_demands(args.demands)
     collection, graph = open_graph(args)
-    file.refuse([fault for d in file.figures for fault in faults_of(d, collection, graph)])
+    file.refuse([fault for d in file.figures for fault in unmet_faults(d, collection, graph)])
     space = search_space(graph, collection)
     earlier = _earlier(args.near) if args.near else {}
     documents, drawn = [], []
@@ -84,7 +84,7 @@ def _searched(
     graph: "MotionGraph", space: Any, earlier: dict[str, Any],
 ) -> tuple["Search", bool]:  # fmt: skip
     """The search for one figure, gone on with until it ends, and whether nobody ended it before."""
-    from stimuli.graph import begin, near_answer
+    from stimuli.graph import begin_search, near_answer
     from study.cli.common import progress
 
     near = None
@@ -97,7 +97,7 @@ def _searched(
                 f"{', '.join(name or 'one figure' for name in earlier)}.\nGive that figure's own."
             )
         near = near_answer(earlier[demands.name], demands, collection)
-    found = begin(demands, graph, collection, space, args.seed, near)
+    found = begin_search(demands, graph, collection, space, args.seed, near)
     label = f"searching {demands.name}".strip()
     hundredths = None if args.mutations else round(100 * args.seconds)
     with progress(hundredths, label) as step:
@@ -137,18 +137,18 @@ def _out(args: argparse.Namespace, demands: "Demands", n: int) -> Path:
 
 
 def _written(
-    args: argparse.Namespace, plan: "Plan", collection: "Collection", graph: "MotionGraph",
+    args: argparse.Namespace, plan: "MotionPlan", collection: "Collection", graph: "MotionGraph",
     place: Path | None, whole: bool, tried: int,
 ) -> dict[str, Any]:  # fmt: skip
     """The answer as JSON has it; its motion and itself on the disk where that is wanted."""
     from stimuli.files import write_atomic
-    from stimuli.graph import assembled, document_of
+    from stimuli.graph import assembled, plan_document
     from study.cli.writing import write_motion
 
     more = {"seed": args.seed, "tau": graph.tau, "collection": graph.collection,
             "mutations": tried, "interrupted": not whole, "joining": args.joining,
             "foot_lock": args.foot_lock, "file": str(place) if place else None}  # fmt: skip
-    document = document_of(plan, collection.names, **more)
+    document = plan_document(plan, collection.names, **more)
     if place:
         write_motion(assembled(plan, collection, args.joining, args.foot_lock), place)
         text = json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False)
@@ -156,7 +156,7 @@ def _written(
     return document
 
 
-def _tell(document: dict[str, Any], plan: "Plan", collection: "Collection", n: int) -> None:
+def _tell(document: dict[str, Any], plan: "MotionPlan", collection: "Collection", n: int) -> None:
     name = f"{document['figure']}, " if document["figure"] else ""
     terms = ", ".join(f"{key} {value:.2f}" for key, value in plan.terms.items() if value)
     print(f"{name}answer {n + 1}: S = {plan.score:.3f} ({terms or 'no term'})")
