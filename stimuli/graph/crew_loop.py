@@ -26,7 +26,7 @@ def search_on(
 
     The state of a search are its generator, the path that it climbs from (`current`; its nodes and
     score the last of `counts` and `scores`) and the local minima that it keeps, each of clips of
-    its own: `kept` (K, MOST_NODES), `counts` (K + 1,), `scores` (K + 1,). `by_frame`, `first_of` and
+    its own: `kept` (K, MOST_NODES), `counts` (K + 1,), `scores` (K + 1,). `by_frame`, `first_of`,
     `reached` lead to poses that must be hit, and are empty where there are none.
     """
     tried, last = 0, len(kept)
@@ -66,9 +66,10 @@ def grown(
 
     Of random walks up to a demand's time the best few are kept, and gone on with.
     """
+    wide = aim.effort[0]
     beam, counts = (
-        np.empty((aim.effort[0], MOST_NODES), np.int32),
-        np.zeros(aim.effort[0], np.int64),
+        np.empty((wide, MOST_NODES), np.int32),
+        np.zeros(wide, np.int64),
     )
     beam[0], counts[0] = path, count
     many, before = 1, entered(space, path, count)
@@ -78,10 +79,10 @@ def grown(
         if count and stop <= before + 1:
             continue
         ahead, lengths = (
-            np.empty((aim.effort[0], MOST_NODES), np.int32),
-            np.zeros(aim.effort[0], np.int64),
+            np.empty((wide, MOST_NODES), np.int32),
+            np.zeros(wide, np.int64),
         )
-        scores = np.full(aim.effort[0], np.inf)
+        scores = np.full(wide, np.inf)
         for b in range(many):
             had = counts[b]
             new[:had] = beam[b, :had]

@@ -75,8 +75,8 @@ class Aim(NamedTuple):
 class Trace(NamedTuple):
     """Where the pieces of a path lie and what it costs up to each: filled by scoring.
 
-    A row a piece: turn, shift, first time, cost before it, demands met before it; `style` (MOST_NODES
-    + 1, S) are the frames with each label so far.
+    A row a piece: turn, shift, first time, cost before it, demands met before it; `style` are the
+    frames with each label so far.
     """
 
     turn: Complex

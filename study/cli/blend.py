@@ -20,6 +20,7 @@ _LONGEST = 120.0
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     from study.cli.clips import add_point_arguments
     from study.cli.common import (
+        TAU,
         add_motions_option,
         add_specification_option,
         argument,
@@ -47,6 +48,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="of clip that such a cut has around it, half before and half after "
         f"(default {_SECONDS:g}; only there)",
     )
+    parser.add_argument(
+        "--tau", type=TAU, default=1.0,
+        help="cost below which motion-graph cuts, through all clips of --motions (default 1)",
+    )  # fmt: skip
     parser.add_argument("--smooth", action="store_true", help="ease the weights by a smoothstep")
     parser.add_argument("--no-foot-lock", action="store_true", help="let feet slide as they will")
     parser.add_argument(
@@ -114,6 +119,11 @@ def _join(args: argparse.Namespace, library: "Library") -> tuple["Transition", t
         )
     a, b = open_point(library, args.from_point), open_point(library, args.to_point)
     tell_warnings(a.clip, b.clip)
+    route = None
+    if args.method == "motion-graph":
+        from study.cli.collections import shortest_route
+
+        route = shortest_route(library, a, b, args.tau)
     joined = transition(
         a.motion,
         b.motion,
@@ -124,6 +134,7 @@ def _join(args: argparse.Namespace, library: "Library") -> tuple["Transition", t
         frames=args.frames,
         smooth=args.smooth,
         foot_lock=not args.no_foot_lock,
+        route=route,
     )
     return joined, (a.frame, b.frame)
 

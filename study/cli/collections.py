@@ -10,6 +10,9 @@ from study.cli.common import TAU, add_motions_option, progress
 if TYPE_CHECKING:
     from stimuli.collection import Collection
     from stimuli.graph import MotionGraph
+    from stimuli.motion import Library
+    from stimuli.transition import Route
+    from study.cli.clips import Point
 
 
 def add_collection_options(parser: argparse.ArgumentParser) -> None:
@@ -69,3 +72,28 @@ def made_graph(
                 graph = build_graph(collection, tau, mapped=mapped, progress=step)
     write_graph(graph, place)
     return graph
+
+
+def shortest_route(library: "Library", a: "Point", b: "Point", tau: float) -> "Route":
+    """The shortest way between two points, through the clips of the library of their hierarchy."""
+    from stimuli.collection import gather
+    from stimuli.errors import InputError
+    from stimuli.graph import graph_kept, route_of
+
+    clips = []
+    with progress(None, "reading clips") as step:
+        paths = library.paths()
+        for done, path in enumerate(paths, start=1):
+            try:
+                clip = library.load(path)
+            except InputError as error:
+                print(f"left out: {error}", file=sys.stderr)
+            else:
+                same = clip.motion.skeleton.same_hierarchy(a.clip.motion.skeleton)
+                clips += [clip] if same else []
+            step(done, len(paths))
+    clips += [point.clip for point in (a, b) if point.clip not in clips]
+    collection = gather(clips)
+    graph = graph_kept(collection, tau, lambda place: made_graph(collection, tau, place))
+    start, end = ((clips.index(point.clip), point.frame) for point in (a, b))
+    return route_of(graph, collection, start, end)
