@@ -148,7 +148,7 @@ def _circle(axes: "Axes", graph: MotionGraph) -> None:
         if chosen.any():
             label = f"{told}: {int(chosen.sum())} clips"
             sizes = 8 + graph.frames[chosen] / 8
-            axes.scatter(*at[chosen].T, sizes, color=colour, label=label, zorder=3)
+            axes.scatter(at[chosen, 0], at[chosen, 1], sizes, color=colour, label=label, zorder=3)
     small = "x-small" if count <= MOST_NAMED else 4.6
     for clip, name in enumerate(graph.names):
         left = np.cos(angle[clip]) < 0

@@ -1,8 +1,9 @@
 """The shortest way from one frame to another, in frames: exact, by SciPy on the plain graph.
 
 Each frame is a node. It is followed by the next one of its clip, and across an edge s_i → t_j by
-the frame after t_j: a cut takes a frame's time like any step. Of ways of equal length the one whose
-cuts cost least is taken.
+the frame after t_j: a cut takes a frame's time like any step. Cuts are counted in frames: one of
+cost 1 as thirty more, the second over which it is smoothed on either side. If they were free, the
+shortest way would be cut at every frame, which is no motion any more.
 """
 
 from functools import lru_cache
@@ -14,12 +15,12 @@ from stimuli.errors import InputError
 from stimuli.graph.graph import MotionGraph
 from stimuli.graph.plan import Stretch
 
-PART = 1e-5  # of a frame that a cut of cost 1 counts as, to choose between ways of one length
+A_CUT = 30.0  # frames that a cut of cost 1 counts as, beside the one that it takes
 
 
 @lru_cache(maxsize=2)
 def plain_graph(graph: MotionGraph) -> Any:
-    """The plain graph as a sparse matrix (F, F): 1 for each step, with its cost's small part."""
+    """The plain graph as a sparse matrix (F, F): 1 for each step, more for a cut."""
     from scipy.sparse import csr_array
 
     starts = np.concatenate([[0], np.cumsum(graph.frames)])
@@ -32,7 +33,7 @@ def plain_graph(graph: MotionGraph) -> Any:
     apart = ~last & (j != i + 1)  # an edge that leads on as the clip does anyway
     rows = np.concatenate([on, i[apart]])
     columns = np.concatenate([on + 1, j[apart]])
-    steps = np.concatenate([np.ones(len(on)), 1.0 + PART * cuts.cost[apart]])
+    steps = np.concatenate([np.ones(len(on)), 1.0 + A_CUT * cuts.cost[apart]])
     return csr_array((steps, (rows, columns)), shape=(frames, frames))
 
 
@@ -67,7 +68,7 @@ def _pieces(way: list[int], starts: np.ndarray, matrix: Any) -> tuple[Stretch, .
     ]
     pieces = []
     for first, stop in zip([0, *breaks], [*breaks, len(way)], strict=True):
-        cost = (float(matrix[way[first - 1], way[first]]) - 1.0) / PART if first else 0.0
+        cost = (float(matrix[way[first - 1], way[first]]) - 1.0) / A_CUT if first else 0.0
         pieces.append(
             Stretch(int(clips[first]), int(local[first]), int(local[stop - 1]), round(cost, 6))
         )
