@@ -37,7 +37,7 @@ PLACES: Mapping[str, float] = MappingProxyType(
 )  # fmt: skip
 _VELOCITY, _TURNING = 2.5, 2.5
 RATES = 0.5  # of the same weights, for the rates of change
-SMALLEST = 1e-12  # squared metres or radians; a column that never moves counts by no less
+SMALLEST = 1e-6  # squared: a column that hardly moves anywhere counts by a millimetre a frame
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,4 +87,5 @@ def largest_steps(collection: Collection, joints: tuple[int, ...]) -> tuple[Arra
 
 def cut_costs(a: Array, b: Array) -> Array:
     """C (FA, FB) between rows of two motions, in double precision."""
-    return np.asarray(squared_euclidean(a, b))
+    middle = a.mean(axis=0)  # rows that lie around the origin lose no digits
+    return np.asarray(squared_euclidean(a - middle, b - middle))

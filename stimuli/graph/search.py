@@ -4,48 +4,27 @@ Two crews search apart, each from a seed of its own, on two cores where there ar
 kept is put together. The same seed and number of mutations give the same motions.
 """
 
+import math
 import threading
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
 from stimuli.collection import Collection
 from stimuli.errors import InputError
 from stimuli.graph.aim import aim_at
+from stimuli.graph.crew import Crew, PoseWays
 from stimuli.graph.demands import Demands
 from stimuli.graph.graph import MotionGraph
 from stimuli.graph.plan import MotionPlan, Stretch, motion_plan
-from stimuli.graph.score_loop import MOST_NODES, Aim, Space, Trace, new_trace
+from stimuli.graph.score_loop import Aim, Space, new_trace
 
 CREWS = 2
-KEPT = 16  # local minima of a crew, each of clips of its own
 QUANTUM = 4000  # mutations between two looks at the clock
 Tell = Callable[[float, float], None]  # seconds gone, the best score so far
-
-
-@dataclass(eq=False)
-class Crew:
-    """The state of one search: its generator, the path it is at, the local minima it keeps."""
-
-    random: np.ndarray
-    traces: tuple[Trace, Trace]
-    current: np.ndarray = field(default_factory=lambda: np.zeros(MOST_NODES, dtype=np.int32))
-    kept: np.ndarray = field(default_factory=lambda: np.zeros((KEPT, MOST_NODES), dtype=np.int32))
-    counts: np.ndarray = field(default_factory=lambda: np.zeros(KEPT + 1, dtype=np.int64))
-    scores: np.ndarray = field(default_factory=lambda: np.full(KEPT + 1, np.inf))
-    tried: int = 0
-
-
-@dataclass(frozen=True, eq=False)
-class PoseWays:
-    """How poses that must be hit are reached in time: empty where there are none."""
-
-    by_frame: np.ndarray
-    first_of: np.ndarray
-    reached: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,22 +69,16 @@ class Search:
         return True
 
     def _work(self, crew: Crew, goal: int | None, end: float | None, stop: threading.Event) -> None:
-        from stimuli.graph.crew_loop import search_on
-
         while not stop.is_set():
             most = QUANTUM if goal is None else min(QUANTUM, goal - crew.tried)
             if most <= 0 or (end is not None and time.monotonic() >= end):
                 break
-            crew.tried += search_on(
-                self.space, self.aim, crew.random, crew.current, crew.kept, crew.counts,
-                crew.scores, self.ways.by_frame, self.ways.first_of, self.ways.reached, most,
-                *crew.traces,
-            )  # fmt: skip
+            crew.go_on(self.space, self.aim, self.ways, most)
 
     @property
     def best(self) -> float:
         """The best score so far, infinite before there is a path."""
-        return float(min(crew.scores[:KEPT].min() for crew in self.crews))
+        return min((crew.kept[0].score for crew in self.crews if crew.kept), default=math.inf)
 
     @property
     def tried(self) -> int:
@@ -117,12 +90,7 @@ class Search:
 
         InputError where there is none.
         """
-        found = [
-            (float(crew.scores[n]), crew.kept[n, : crew.counts[n]])
-            for crew in self.crews
-            for n in range(KEPT)
-            if crew.counts[n]
-        ]
+        found = [answer for crew in self.crews for answer in crew.kept]
         if not found:
             raise InputError(
                 "search: expected a motion through all poses at their times, found none.\n"
@@ -130,11 +98,12 @@ class Search:
             )
         chosen: list[MotionPlan] = []
         seen: list[frozenset[int]] = []
-        for _, path in sorted(found, key=lambda entry: (entry[0], entry[1].tolist())):
-            clips = frozenset(self.space.node_to[path].tolist())
+        for answer in sorted(found, key=lambda a: (a.score, a.path.tolist())):
+            clips = frozenset(answer.clips)
             if clips not in seen and len(chosen) < count:
                 seen.append(clips)
-                chosen.append(motion_plan(self.demands, self.pieces(path), self.collection))
+                pieces = self.pieces(answer.path)
+                chosen.append(motion_plan(self.demands, pieces, self.collection))
         return chosen
 
     def pieces(self, path: np.ndarray) -> list[Stretch]:
@@ -202,20 +171,11 @@ def _locked(pieces: Sequence[Stretch], until: int) -> int:
 
 def _given(crew: Crew, path: np.ndarray, space: Space, aim: Aim) -> None:
     """An earlier answer as what the crew climbs from, and as the first that it keeps."""
-    from stimuli.graph.crew_loop import keep
-    from stimuli.graph.score_loop import score_path
-
-    crew.current[: len(path)] = path
-    score, used = score_path(
-        space, aim, crew.current, len(path), aim.frames, np.inf, crew.traces[0], 0, crew.traces[0]
-    )
-    if np.isinf(score):
+    if np.isinf(crew.take_up(space, aim, path)):
         raise InputError(
             "--near: expected a motion that hits the poses demanded, found one that does not.\n"
             "Leave it out: poses that must be hit are looked for from the beginning."
         )
-    keep(space, crew.current, used, score, crew.kept, crew.counts, crew.scores)
-    crew.counts[-1], crew.scores[-1] = used, score
 
 
 def path_of(space: Space, pieces: Sequence[Stretch]) -> np.ndarray:

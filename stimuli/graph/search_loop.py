@@ -99,15 +99,15 @@ def _replaced(
 def climb(
     space: Space, aim: Aim, random: Random, path: Indices, count: int, score: float,
     most: int, trace: Trace, spare: Trace,
-) -> tuple[int, float, int, bool]:  # fmt: skip
-    """Betters a path in place by random mutations, then by all, until none does, or so many tried.
+) -> tuple[int, float, int, int]:  # fmt: skip
+    """Betters a path in place by random mutations, until many in a row do not or `most` are tried.
 
-    Returns its nodes, its score, how many mutations were scored, and whether it is a local minimum.
+    Returns its nodes, its score, how many mutations were tried, and the last of them in vain.
     """
     new = np.empty(MOST_NODES, np.int32)
     tried, idle = 0, 0
     score_path(space, aim, path, count, aim.frames, np.inf, trace, 0, trace)
-    while tried < most:
+    while tried < most and idle < aim.effort[2]:
         length, since = mutated(space, aim, random, path, count, new)
         tried += 1
         idle += 1
@@ -119,14 +119,7 @@ def climb(
                 path[:used] = new[:used]
                 count, score, idle = used, value, 0
                 score_path(space, aim, path, count, aim.frames, np.inf, trace, 0, trace)
-        if idle >= aim.effort[2]:
-            count, better, spent = best_of_all(space, aim, path, count, score, new, trace, spare)
-            tried += spent
-            if better >= score - SCARCE:
-                return count, score, tried, True
-            score, idle = better, 0
-            score_path(space, aim, path, count, aim.frames, np.inf, trace, 0, trace)
-    return count, score, tried, False
+    return count, score, tried, idle
 
 
 @compiled(nogil=True)
@@ -199,23 +192,3 @@ def _demoted(
             new[at] = space.right[node] if second else node + 1
             some = True
     return some
-
-
-@compiled(nogil=True)
-def shaken(space: Space, aim: Aim, random: Random, path: Indices, count: int, trace: Trace) -> (
-    tuple[int, float]
-):  # fmt: skip
-    """A path with some mutations in a row, whatever they cost: its nodes and score, 0 for none."""
-    new = np.empty(MOST_NODES, np.int32)
-    value = np.inf
-    for _ in range(1 + draw(random, 3)):
-        for _ in range(50):
-            length, _ = mutated(space, aim, random, path, count, new)
-            if length == 0:
-                continue
-            found, used = score_path(space, aim, new, length, aim.frames, np.inf, trace, 0, trace)
-            if found < np.inf:
-                path[:used] = new[:used]
-                count, value = used, found
-                break
-    return (count, value) if value < np.inf else (0, value)

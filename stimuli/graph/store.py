@@ -69,7 +69,7 @@ def write_graph(graph: MotionGraph, path: Path) -> None:
 def read_graph(path: Path, collection: Collection | None = None) -> MotionGraph:
     """The graph of a file; InputError for one that is damaged, foreign, or of other clips."""
     try:
-        with np.load(path, allow_pickle=False) as stored:
+        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
             head = json.loads(bytes(stored["head"]).decode())
             arrays = {name: stored[name] for name in ARRAYS}
     except FileNotFoundError:
