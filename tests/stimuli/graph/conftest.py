@@ -49,9 +49,9 @@ def with_edges(collection: Collection, count: int) -> MotionGraph:
 
 @pytest.fixture(scope="session")
 def graphs(bodies) -> SimpleNamespace:
-    """The functions above, and `toy(seed)`: four clips of thirty frames, sixty edges."""
+    """The functions above, and `toy(seed)`: four clips of thirty frames, thirty edges."""
 
-    def toy(seed: int, clips: int = 4, frames: int = 30, edges: int = 60):
+    def toy(seed: int, clips: int = 4, frames: int = 30, edges: int = 30):
         collection = collection_of(
             *(bodies.wandering(frames, 10 * seed + n, speed=0.2) for n in range(clips))
         )
