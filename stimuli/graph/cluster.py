@@ -7,7 +7,7 @@ from typing import Any
 from stimuli.errors import InputError, MachineError
 from stimuli.graph.build import Branch, Mapped
 
-PATIENCE = "10s"  # to find the scheduler
+PATIENCE = "5s"  # to find the scheduler
 
 
 @contextmanager
