@@ -23,6 +23,7 @@ _LARGEST_SD = 10.0  # of the random intercepts, in log odds: beyond it the answe
 LEAST_SD = 1e-2  # below it an effect does not vary, and the model is fitted without it
 LARGEST_MEAN = 15.0  # of the log odds
 STARTS = ((1.0, 0.3, 0.3), (1.3, 1.2, 0.6), (2.0, 3.0, 0.3), (2.0, 6.0, 2.0), (1.0, 0.3, 1.5))
+NEGLIGIBLE = 0.25  # share of β's variance below which who and what vary hardly matters to it
 UNSETTLED = 0.01  # standard errors by which more nodes may move the estimate or the error
 _STEP = 1e-4  # for the second derivatives, differences of an analytic gradient
 LAPLACE = "Laplace approximation"
@@ -159,18 +160,25 @@ def _method(random: tuple[bool, ...]) -> str:
 
 
 def _degrees(cells: Cells, theta: Array, error: float) -> float:
-    """Degrees of freedom of the interval: Satterthwaite's (1946) of the parts of β's variance.
+    """Degrees of freedom of the interval: what it rests on.
 
-    People have their number less one, motions theirs, and what is left that of the answers. With
-    eight motions that differ much this is 7, where a normal quantile covers .92 of simulated sets;
-    where nobody differs it is that of all answers, where 7 would cover .98.
+    One less than the fewest levels of an effect in the model: with eight motions that differ a
+    normal quantile covers .92 of simulated sets, 7 about .96. Where the effects make up less than
+    NEGLIGIBLE of β's variance, 7 would cover .98, as the interval rests on the answers: there they
+    are Satterthwaite's (1946) of its parts.
     """
-    answers = float(cells.total.sum())
-    shares = [float(sd**2) / size for sd, size in zip(theta[1:], cells.total.shape, strict=True)]
-    left = max(error**2 - sum(shares), 0.0)
-    parts = [(share, size - 1) for share, size in zip(shares, cells.total.shape, strict=True)]
-    spread = sum(part**2 / df for part, df in [*parts, (left, answers - 1)] if part > 0 and df > 0)
-    return float(np.clip((sum(shares) + left) ** 2 / spread, 1.0, max(answers - 1, 1.0)))
+    sizes, answers = cells.total.shape, float(cells.total.sum())
+    parts = [
+        (float(sd**2) / size, size - 1)
+        for sd, size in zip(theta[1:], sizes, strict=True)
+        if sd > 0 and size > 1
+    ]
+    effects = sum(part for part, _ in parts)
+    if effects >= NEGLIGIBLE * error**2:
+        return float(min(df for _, df in parts))
+    left = error**2 - effects
+    spread = sum(part**2 / df for part, df in parts) + left**2 / max(answers - 1, 1.0)
+    return float(np.clip(error**4 / spread, 1.0, max(answers - 1, 1.0)))
 
 
 def _maximum(cells: Cells, random: tuple[bool, ...], nodes: int = NODES) -> tuple[Array, Array]:

@@ -15,11 +15,11 @@ from analysis.delimited import is_comma_number, plain_minus
 
 _MISSING = ("n/a", "", "nan", "NaN", "NA")
 
-_NUMBERS = frozenset(
+NUMBERS = frozenset(
     {"onset", "response_time", "reference_length", "length", "difference", "rating",
      "late_frames", "trial", "odd_pair", "position", "repeat_of", "level"}
 )  # fmt: skip
-_FLAGS = frozenset({"void", "correct"})
+FLAGS = frozenset({"void", "correct"})
 FLAG_WORDS = {"1": 1.0, "0": 0.0, "true": 1.0, "false": 0.0, "1.0": 1.0, "0.0": 0.0, "yes": 1.0,
               "no": 0.0, "right": 1.0, "wrong": 0.0, "correct": 1.0, "incorrect": 0.0,
               "t": 1.0, "f": 0.0, "y": 1.0, "n": 0.0}  # fmt: skip
@@ -160,9 +160,9 @@ def _typed(table: pd.DataFrame, faults: dict[int, str]) -> pd.DataFrame:
     text = table.where(~table.isin(_MISSING))
     typed = text.astype(object).copy()
     for column in text.columns:
-        if column not in _NUMBERS and column not in _FLAGS:
+        if column not in NUMBERS and column not in FLAGS:
             continue
-        if column in _FLAGS:
+        if column in FLAGS:
             values = text[column].astype(object).str.lower().map(FLAG_WORDS)
         else:
             values = pd.to_numeric(text[column], errors="coerce").astype(float)
@@ -198,7 +198,7 @@ def _ties(typed: pd.DataFrame) -> pd.DataFrame:
 
 
 def _unlike(column: str, found: object) -> str:
-    expected = "0 or 1" if column in _FLAGS else "a number"
+    expected = "0 or 1" if column in FLAGS else "a number"
     return f"{column}: expected {expected}, found {str(found)[:40]!r}"
 
 

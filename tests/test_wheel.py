@@ -78,5 +78,5 @@ def test_installed_elsewhere_it_renders_and_runs_a_shipped_protocol(
             "run", "jnd-center", "--participant", "p1", "--rehearsal", "--observer", "simulated",
             "--windowed", "--pace", "10",
         )  # fmt: skip
-    assert len(list((place / "stimulus-sets/jnd-center-rehearsal/clips").glob("*.mkv"))) == 11
+    assert len(list((place / "stimulus-sets/jnd-center-rehearsal/clips").glob("*.mov"))) == 11
     assert (place / "data/sub-p1/beh/sub-p1_task-jndcenter_run-1_beh.tsv").is_file()

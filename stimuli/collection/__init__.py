@@ -1,12 +1,12 @@
 """A collection: clips of one skeleton taken together, out of which motions are made.
 
-`gather` brings clips to one body and refuses what cannot be told apart or joined; `annotations`
+`gathered` brings clips to one body and refuses what cannot be told apart or joined; `annotations`
 says what is done in which frames; `torso` has the poses as the body itself sees them, which is how
 poses of clips that lie anywhere are compared (Arikan and Forsyth 2002, appendix A).
 """
 
 from stimuli.collection.annotations import annotated
-from stimuli.collection.gather import Collection, gather
+from stimuli.collection.gather import Collection, gathered
 from stimuli.collection.select import collected
 from stimuli.collection.torso import Floor, floor_frames, torso_features
 
@@ -16,6 +16,6 @@ __all__ = [
     "annotated",
     "collected",
     "floor_frames",
-    "gather",
+    "gathered",
     "torso_features",
 ]

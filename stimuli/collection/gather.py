@@ -66,7 +66,7 @@ class Collection:
         return self.names.index(name)
 
 
-def gather(clips: Sequence[Clip], annotations: Mapping[str, Sequence[Span]] | None = None) -> (
+def gathered(clips: Sequence[Clip], annotations: Mapping[str, Sequence[Span]] | None = None) -> (
     Collection
 ):  # fmt: skip
     """The clips as one collection, all faults at once.

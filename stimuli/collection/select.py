@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from fnmatch import fnmatchcase
 from pathlib import Path
 
-from stimuli.collection.gather import Collection, gather
+from stimuli.collection.gather import Collection, gathered
 from stimuli.errors import InputError
 from stimuli.motion.clip import Clip
 from stimuli.motion.library import Library
@@ -37,7 +37,7 @@ def collected(
         except InputError as error:
             tell(f"left out: {error}")
         progress(done, len(paths))
-    return gather(clips)
+    return gathered(clips)
 
 
 def _matches(path: Path, patterns: Sequence[str]) -> bool:

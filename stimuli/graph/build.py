@@ -5,7 +5,6 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,8 +21,8 @@ TAU = 1.0
 AN_EDGE = 200  # bytes of memory for each edge while a graph is built and written
 HELD_BACK = 100  # megabytes
 
-# calls a function of (shared, item) on all items, results in order, and ships `shared` but once
-Mapped = Callable[[Callable[[Any, int], "Branch"], Any, Sequence[int]], Iterable["Branch"]]
+# calls a function of (item, shared) on all items, results in order, and ships `shared` but once
+Mapped = Callable[[Callable[[int, Any], "Branch"], Any, Sequence[int]], Iterable["Branch"]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +65,7 @@ def build_graph(
     return _joined(collection, tau, branches)
 
 
-def branch(space: CutSpace, clip: int) -> Branch:
+def branch(clip: int, space: CutSpace) -> Branch:
     """The edges that leave a clip, and their trees."""
     from stimuli.graph.summary_loop import forest
 
@@ -120,10 +119,10 @@ def _threads() -> Iterator[Mapped]:
     """All cores of this machine; the loops and the product leave Python alone meanwhile."""
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
 
-        def run(function: Callable[[Any, int], Branch], shared: Any, items: Sequence[int]) -> (
+        def run(function: Callable[[int, Any], Branch], shared: Any, items: Sequence[int]) -> (
             Iterable[Branch]
         ):  # fmt: skip
-            return pool.map(partial(function, shared), items)
+            return pool.map(lambda item: function(item, shared), items)
 
         try:
             yield run

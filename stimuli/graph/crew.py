@@ -25,7 +25,7 @@ class PoseWays:
 
 
 @dataclass(frozen=True, eq=False)
-class Answer:
+class KeptPath:
     """A path that is kept, its score, and the clips that it plays."""
 
     path: np.ndarray
@@ -34,7 +34,7 @@ class Answer:
 
 
 @dataclass(eq=False)
-class Crew:
+class SearchCrew:
     """The state of one search: its generator, the path that it is at, the answers that it keeps.
 
     `count` is 0 where the next climb begins with another path. `kept` stands best first.
@@ -45,7 +45,7 @@ class Crew:
     path: np.ndarray = field(default_factory=lambda: np.zeros(MOST_NODES, dtype=np.int32))
     count: int = 0
     score: float = math.inf
-    kept: list[Answer] = field(default_factory=list)
+    kept: list[KeptPath] = field(default_factory=list)
     tried: int = 0
 
     def go_on(self, space: Space, aim: Aim, ways: PoseWays, most: int) -> None:
@@ -139,6 +139,6 @@ class Crew:
             if twin.score <= self.score:
                 return
             self.kept.remove(twin)
-        self.kept.append(Answer(path, self.score, clips))
+        self.kept.append(KeptPath(path, self.score, clips))
         self.kept.sort(key=lambda answer: answer.score)
         del self.kept[KEPT:]

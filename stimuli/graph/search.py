@@ -16,7 +16,7 @@ import numpy as np
 from stimuli.collection import Collection
 from stimuli.errors import InputError
 from stimuli.graph.aim import aim_at
-from stimuli.graph.crew import Crew, PoseWays
+from stimuli.graph.crew import PoseWays, SearchCrew
 from stimuli.graph.demands import Demands
 from stimuli.graph.graph import MotionGraph
 from stimuli.graph.plan import MotionPlan, Stretch, motion_plan
@@ -36,7 +36,7 @@ class Search:
     space: Space
     aim: Aim
     ways: PoseWays
-    crews: tuple[Crew, ...]
+    crews: tuple[SearchCrew, ...]
 
     def go(
         self, *, seconds: float | None = None, mutations: int | None = None,
@@ -68,7 +68,9 @@ class Search:
                 return False
         return True
 
-    def _work(self, crew: Crew, goal: int | None, end: float | None, stop: threading.Event) -> None:
+    def _work(
+        self, crew: SearchCrew, goal: int | None, end: float | None, stop: threading.Event
+    ) -> None:
         while not stop.is_set():
             most = QUANTUM if goal is None else min(QUANTUM, goal - crew.tried)
             if most <= 0 or (end is not None and time.monotonic() >= end):
@@ -149,7 +151,7 @@ def begin_search(
     crews = []
     for number in range(CREWS):
         state = np.random.SeedSequence([seed, number]).generate_state(1, np.uint64) | np.uint64(1)
-        crew = Crew(state, (new_trace(aim), new_trace(aim)))
+        crew = SearchCrew(state, (new_trace(aim), new_trace(aim)))
         if path is not None:
             _given(crew, path, space, aim)
         crews.append(crew)
@@ -169,7 +171,7 @@ def _locked(pieces: Sequence[Stretch], until: int) -> int:
     return int((begins < until).sum()) if until > 0 else 0
 
 
-def _given(crew: Crew, path: np.ndarray, space: Space, aim: Aim) -> None:
+def _given(crew: SearchCrew, path: np.ndarray, space: Space, aim: Aim) -> None:
     """An earlier answer as what the crew climbs from, and as the first that it keeps."""
     if np.isinf(crew.take_up(space, aim, path)):
         raise InputError(

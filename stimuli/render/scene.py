@@ -18,10 +18,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stimuli.errors import MachineError
+from stimuli.errors import InputError, MachineError
 from stimuli.render.appearance import Appearance
 from stimuli.render.bodies import Skin
 from stimuli.render.camera import Camera
+from stimuli.render.device import driver, open_platform
 from stimuli.render.light import shade
 from stimuli.render.rig import moved
 from stimuli.render.shapes import Floats
@@ -38,9 +39,10 @@ BORDER = 2  # pixels around the figure's box, for its antialiased edge
 class Renderer:
     """An offscreen context for pictures of one look; `show` says of which body, from where."""
 
-    def __init__(self, look: Appearance) -> None:
+    def __init__(self, look: Appearance, device: str = "auto") -> None:
         self.look = look
-        self._pyrender, self._platform = _opened(look)
+        self._pyrender, self._platform = _opened(look, device)
+        self.driver = driver()
         pyrender = self._pyrender
         self._drawing = _drawing(pyrender)(look.width, look.height)
         self._flags = pyrender.RenderFlags.FLAT | pyrender.RenderFlags.OFFSCREEN
@@ -98,18 +100,17 @@ class Renderer:
             self._platform = None
 
 
-def _opened(look: Appearance) -> tuple[Any, Any]:
+def _opened(look: Appearance, device: str) -> tuple[Any, Any]:
     """pyrender and a current context of its; MachineError where the machine has no OpenGL."""
     try:
         pyrender = import_pyrender()
-        from pyrender.platforms import egl
-
-        platform = egl.EGLPlatform(look.width, look.height, device=egl.get_device_by_index(0))
-        platform.init_context()
-        platform.make_current()
+        platform = open_platform(device, look.width, look.height)
+    except InputError:
+        raise
     except Exception as error:  # each driver and binding fails in a way of its own
+        why = " ".join(str(error).split()) or type(error).__name__
         raise MachineError(
-            f"rendering: expected a device for OpenGL by EGL, found none ({error});\n{GRAPHICS}"
+            f"rendering: expected a device for OpenGL by EGL, found none ({why});\n{GRAPHICS}"
         ) from error
     return pyrender, platform
 

@@ -1,27 +1,49 @@
 """Building a set: what is missing is rendered, what is there is kept, nothing is half-written.
 
 A clip's name is the hash of what it is made of (`naming`), the same on any machine. It counts as
-there when its file and the small document beside it are, the document being written last; so an
-interrupted build goes on where it stopped, and a change of anything that shows gives a new name.
-Clips of earlier builds stay, since records may refer to them; `prune` removes them.
+there when its file and the small document beside it are (`masters`); so an interrupted build goes
+on where it stopped, and a change of anything that shows gives a new name. Clips of earlier builds
+stay, since records may refer to them; `prune` removes them.
 """
 
 import json
-from collections.abc import Callable, Sequence
+import warnings
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from stimuli.errors import InputError
-from stimuli.files import write_atomic
+from stimuli.errors import InputError, InputWarning, UnwritableError
+from stimuli.files import refusals_name, write_atomic
 from stimuli.motion.library import Library
-from stimuli.sets.group import PlannedClip, PlannedGroup, plan_group
-from stimuli.sets.manifest import FORMAT, MANIFEST, Manifest, from_document, set_hash
-from stimuli.sets.plan import resolve
+from stimuli.render.device import check_device
+from stimuli.render.video import ARCHIVE, FAST
+from stimuli.sets.frames import DrawJob, DrawnFrame, FrameKey, jobs_of
+from stimuli.sets.group import PlannedClip, PlannedGroup, plan_groups
+from stimuli.sets.manifest import (
+    FORMAT,
+    MANIFEST,
+    Manifest,
+    from_document,
+    load_manifest,
+    set_hash,
+)
+from stimuli.sets.masters import (
+    CLIPS,
+    Assembly,
+    beside_master,
+    document_path,
+    kept,
+    master_path,
+    masters_in,
+)
+from stimuli.sets.plan import ResolvedPairing
+from stimuli.sets.sources import changed_motions
 from stimuli.sets.spec import SetSpec
-from stimuli.sets.workers import Rendered, RenderJob, render_all
+from stimuli.sets.workers import Crew, draw_all
 
-CLIPS = "clips"
+FILE_KEYS = ("frames", "frames_sha256", "file_sha256", "bytes", "codec", "drivers")
 ClipProgress = Callable[[int, int], None]
 
 
@@ -32,6 +54,7 @@ class Inventory:
     wanted: int
     missing: tuple[str, ...]
     stale: tuple[Path, ...]
+    resolved: tuple[ResolvedPairing, ...] = ()
 
 
 def build(
@@ -40,107 +63,138 @@ def build(
     out: Path,
     *,
     workers: int | None = None,
+    scheduler: str | None = None,
+    device: str = "auto",
+    archive: bool = False,
     progress: ClipProgress | None = None,
 ) -> Manifest:
-    """Render what is missing of a set in `workers` processes and write its manifest.
+    """Render what is missing of a set and write its manifest.
 
-    `progress(done, total)` is told of each clip. InputError for input that cannot be used, before
-    anything is rendered, and where another build of the same set is going on.
+    `workers` processes draw, or those of a Dask `scheduler`; on the `device` of
+    `stimuli.render.device.DEVICES`. An `archive` keeps FFV1, which counts as there without it
+    too. `progress(done, total)` is told of each clip. InputError for all input that cannot be
+    used, before anything is rendered, and where another build of the same set is going on.
     """
-    from filelock import FileLock, Timeout
-
-    groups = [plan_group(spec, pairing, library) for pairing in resolve(spec, library)]
-    (out / CLIPS).mkdir(parents=True, exist_ok=True)
+    check_device(device)
+    groups = plan_groups(spec, library)
+    codec = ARCHIVE if archive else FAST
+    crew = Crew(workers, scheduler, device)
     try:
-        with FileLock(out / ".lock", timeout=0):
-            return _built(spec, groups, out, workers, progress or (lambda done, total: None))
-    except Timeout:
-        raise InputError(
-            f"{out}: expected no other build of this set, found one going on.\nWait until it ends."
-        ) from None
+        with _locked(out):
+            _tell_changed(out, groups)
+            return _built(spec, groups, out, codec, crew, progress or (lambda done, total: None))
+    except UnwritableError:
+        if _inventory(groups, out, codec).missing or not _holds(out, _text(spec, groups, out)):
+            raise
+        return load_manifest(out)  # whole already, in a folder that is for reading
 
 
-def inventory(spec: SetSpec, library: Library, out: Path) -> Inventory:
-    """What `build` would do, without doing it."""
-    groups = [plan_group(spec, pairing, library) for pairing in resolve(spec, library)]
-    return _inventory(groups, out)
+def inventory(spec: SetSpec, library: Library, out: Path, *, archive: bool = False) -> Inventory:
+    """What `build` would do, without doing it; refuses what it would refuse."""
+    groups = plan_groups(spec, library)
+    return _inventory(groups, out, ARCHIVE if archive else FAST)
 
 
 def stale_clips(manifest: Manifest) -> tuple[Path, ...]:
     """Clips of earlier builds that lie beside those of the manifest."""
     named = {entry.hash for entry in manifest.clips}
-    there = sorted((manifest.directory / CLIPS).glob("*.mkv"))
-    return tuple(path for path in there if path.stem not in named)
+    return tuple(path for path in masters_in(manifest.directory) if path.stem not in named)
 
 
 def prune(manifest: Manifest) -> int:
-    """Remove clips of earlier builds; returns how many."""
+    """Remove clips of earlier builds and what lies beside them; returns how many clips."""
     stale = stale_clips(manifest)
     for path in stale:
+        for beside in beside_master(path):
+            beside.unlink()
         path.unlink()
-        path.with_suffix(".json").unlink(missing_ok=True)
+        document_path(manifest.directory, path.stem).unlink(missing_ok=True)
     return len(stale)
 
 
-def _inventory(groups: Sequence[PlannedGroup], out: Path) -> Inventory:
-    wanted = {clip.hash for group in groups for clip in group.clips}
-    missing = tuple(name for name in dict.fromkeys(_order(groups)) if not _is_there(out, name))
-    stale = [path for path in sorted((out / CLIPS).glob("*.mkv")) if path.stem not in wanted]
-    return Inventory(len(wanted), missing, tuple(stale))
+def _inventory(groups: Sequence[PlannedGroup], out: Path, codec: str) -> Inventory:
+    wanted = dict.fromkeys(clip.hash for group in groups for clip in group.clips)
+    missing = tuple(name for name in wanted if not _serves(kept(out, name), codec))
+    stale = tuple(path for path in masters_in(out) if path.stem not in wanted)
+    return Inventory(len(wanted), missing, stale, tuple(group.resolved for group in groups))
 
 
-def _order(groups: Sequence[PlannedGroup]) -> list[str]:
-    return [clip.hash for group in groups for clip in group.clips]
+def _serves(held: Mapping[str, Any], codec: str) -> bool:
+    """Whether a clip is there, kept so that nobody who wants `codec` needs it again."""
+    return bool(held) and held["codec"] in (codec, ARCHIVE)
+
+
+@contextmanager
+def _locked(out: Path) -> Iterator[None]:
+    """The set's folder, for this build alone."""
+    from filelock import FileLock, Timeout
+
+    lock = FileLock(out / ".lock")
+    with refusals_name(out / MANIFEST):
+        (out / CLIPS).mkdir(parents=True, exist_ok=True)
+        try:
+            lock.acquire(timeout=0)
+        except Timeout:
+            raise InputError(
+                f"{out}: expected no other build of this set, found one going on.\n"
+                "Wait until it ends."
+            ) from None
+    try:
+        yield
+    finally:
+        lock.release()
 
 
 def _built(
     spec: SetSpec,
-    groups: list[PlannedGroup],
+    groups: Sequence[PlannedGroup],
     out: Path,
-    workers: int | None,
+    codec: str,
+    crew: Crew,
     progress: ClipProgress,
 ) -> Manifest:
     _tidy(out)
-    missing = set(_inventory(groups, out).missing)
-    jobs = {
-        clip.hash: RenderJob(
-            _file(out, clip.hash),
-            group.body.skin,
-            clip.bones,
-            spec.fps,
-            group.camera,
-            spec.appearance,
-        )
-        for group in groups
-        for clip in group.clips
-        if clip.hash in missing
-    }
+    missing = set(_inventory(groups, out, codec).missing)
+    jobs, clips = _work(groups, missing)
+    assembly = Assembly(out, codec, spec.fps, clips)
     finished = 0
-    progress(0, len(jobs))
+    progress(0, len(clips))
 
-    def done(result: Rendered) -> None:
+    def taken(frames: Sequence[DrawnFrame], driver: str) -> None:
         nonlocal finished
-        finished += 1
-        kept = {
-            "frames": result.frames,
-            "frames_sha256": result.frames_sha256,
-            "bytes": result.path.stat().st_size,
-        }
-        write_atomic(result.path.with_suffix(".json"), json.dumps(kept))
-        progress(finished, len(jobs))
+        for frame in frames:
+            for _ in assembly.add(frame, driver):
+                finished += 1
+                progress(finished, len(clips))
 
     if jobs:
         try:
-            render_all(list(jobs.values()), workers, done)
+            draw_all(jobs, {group.name: group.scenery for group in groups}, codec, crew, taken)
         finally:
             _tidy(out)
-    text = json.dumps(_document(spec, groups, out), indent=1, ensure_ascii=False, allow_nan=False)
-    text += "\n"
-    path = out / MANIFEST
-    if not path.exists() or path.read_text(encoding="utf-8") != text:
-        write_atomic(path, text)
+    text = _text(spec, groups, out)
+    if not _holds(out, text):
+        write_atomic(out / MANIFEST, text)
+    _tell_mixed(groups, out)
     # What a later `load_manifest` gives: tuples and lists are one thing on the disk.
-    return replace(from_document(out, json.loads(text)), rendered=len(jobs))
+    return replace(from_document(out, json.loads(text)), rendered=len(clips))
+
+
+def _work(
+    groups: Sequence[PlannedGroup], missing: set[str]
+) -> tuple[list[DrawJob], dict[str, tuple[tuple[int, int], list[FrameKey]]]]:
+    """What is to be drawn, and of which frames each missing clip is put together."""
+    jobs: list[DrawJob] = []
+    clips: dict[str, tuple[tuple[int, int], list[FrameKey]]] = {}
+    for group in groups:
+        wanted = {
+            clip.hash: clip.bones for clip in group.clips if clip.hash in missing - set(clips)
+        }
+        for name, keys, job in jobs_of(group.scenery, wanted.items()):
+            clips[name] = (group.scenery.size, keys)
+            if job.keys:
+                jobs.append(job)
+    return jobs, clips
 
 
 def _tidy(out: Path) -> None:
@@ -150,25 +204,45 @@ def _tidy(out: Path) -> None:
             path.unlink(missing_ok=True)
 
 
-def _file(out: Path, name: str) -> Path:
-    return out / CLIPS / f"{name}.mkv"
-
-
-def _is_there(out: Path, name: str) -> bool:
-    """Whether a clip was written whole: its document agrees with its file."""
-    kept, path = _kept(out, name), _file(out, name)
-    return bool(kept) and path.is_file() and path.stat().st_size == kept.get("bytes")
-
-
-def _kept(out: Path, name: str) -> dict[str, Any]:
+def _tell_changed(out: Path, groups: Sequence[PlannedGroup]) -> None:
+    """Say which motions are no longer those that the set in that folder was rendered from."""
     try:
-        kept = json.loads(_file(out, name).with_suffix(".json").read_text(encoding="utf-8"))
+        before = json.loads((out / MANIFEST).read_text(encoding="utf-8"))["pairings"]
+        changed = changed_motions(before, {group.name: group.document for group in groups})
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return  # no manifest, or one that nobody can read: the set is built anew
+    if changed:
+        warnings.warn(
+            f"{out}: {', '.join(changed)} changed since the set was rendered; clips of the motion "
+            "as it is now are rendered, and records made so far tell of the other ones",
+            InputWarning,
+            stacklevel=4,
+        )
+
+
+def _tell_mixed(groups: Sequence[PlannedGroup], out: Path) -> None:
+    """Say which groups were drawn by more than one driver: their clips differ at edges."""
+    for group in groups:
+        drivers = {name for clip in group.clips for name in kept(out, clip.hash)["drivers"]}
+        if len(drivers) > 1:
+            warnings.warn(
+                f"{out}, {group.name}: expected clips drawn by one driver, found those of "
+                f"{' and '.join(sorted(drivers))}, which shade edges otherwise; render them into "
+                "an empty folder",
+                InputWarning,
+                stacklevel=4,
+            )
+
+
+def _holds(out: Path, text: str) -> bool:
+    try:
+        return (out / MANIFEST).read_text(encoding="utf-8") == text
     except (OSError, ValueError):
-        return {}
-    return kept if isinstance(kept, dict) else {}
+        return False
 
 
-def _document(spec: SetSpec, groups: Sequence[PlannedGroup], out: Path) -> dict[str, Any]:
+def _text(spec: SetSpec, groups: Sequence[PlannedGroup], out: Path) -> str:
+    """The manifest of a set whose clips are all there."""
     document: dict[str, Any] = {
         "format": FORMAT,
         "name": spec.name,
@@ -184,15 +258,14 @@ def _document(spec: SetSpec, groups: Sequence[PlannedGroup], out: Path) -> dict[
         "clips": [_clip(clip, out) for group in groups for clip in group.clips],
     }
     document["hash"] = set_hash(document)
-    return document
+    return json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def _clip(clip: PlannedClip, out: Path) -> dict[str, Any]:
-    kept = _kept(out, clip.hash)
+    held = kept(out, clip.hash)
     return {
         "hash": clip.hash,
-        "file": f"{CLIPS}/{clip.hash}.mkv",
+        "file": str(master_path(Path(), clip.hash, held["codec"]).as_posix()),
         **clip.document,
-        "frames": kept["frames"],
-        "frames_sha256": kept["frames_sha256"],
+        **{key: held[key] for key in FILE_KEYS},
     }

@@ -1,8 +1,9 @@
 """A group of clips planned: every clip laid out, one body, one camera, and what goes on record."""
 
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,14 +12,17 @@ from numpy.typing import NDArray
 from stimuli.errors import InputWarning
 from stimuli.motion.clip import Clip
 from stimuli.motion.library import Library
+from stimuli.render.appearance import Appearance
 from stimuli.render.bodies import Body, bone_motion, make_body
 from stimuli.render.camera import Camera
 from stimuli.render.clip import group_camera
-from stimuli.sets.ends import end_displacements
+from stimuli.sets.ends import end_displacements, picture_displacements
+from stimuli.sets.frames import Scenery
 from stimuli.sets.layout import LaidOut, lay_out
 from stimuli.sets.naming import RECIPE, clip_names, joining, motion_digest, same_pictures
-from stimuli.sets.plan import ResolvedPairing
-from stimuli.sets.spec import SetSpec
+from stimuli.sets.plan import ResolvedPairing, place_of, resolve_pairing
+from stimuli.sets.refusals import together
+from stimuli.sets.spec import Pairing, SetSpec
 from stimuli.transition.measures import transition_measures
 
 
@@ -36,39 +40,107 @@ class PlannedClip:
 class PlannedGroup:
     """The clips of a pairing."""
 
-    name: str
+    resolved: ResolvedPairing
     body: Body
-    camera: Camera
+    scenery: Scenery
     clips: tuple[PlannedClip, ...]
     document: Mapping[str, Any]
 
+    @property
+    def name(self) -> str:
+        """The pairing's name."""
+        return self.resolved.name
+
+    @property
+    def look(self) -> Appearance:
+        """How the whole set looks."""
+        return self.scenery.look
+
+    @property
+    def camera(self) -> Camera:
+        """The camera that holds the figure in all clips."""
+        return self.scenery.camera
+
 
 def plan_group(spec: SetSpec, resolved: ResolvedPairing, library: Library) -> PlannedGroup:
-    """Lay out every clip of a pairing and find the camera that holds the figure in all of them."""
+    """Lay out every clip of a pairing and find the camera that holds the figure in all of them.
+
+    RefusedError, which names the pairing, of all that its clips lack.
+    """
+    laid, body = together(
+        [partial(_laid_out, spec, resolved, library)], place_of(spec, resolved.pairing)
+    )[0]
+    return _group(spec, resolved, library, laid, body)
+
+
+def plan_groups(spec: SetSpec, library: Library) -> tuple[PlannedGroup, ...]:
+    """Every group of a set, or all that they are refused for together, before any work."""
+
+    def planned(pairing: Pairing) -> PlannedGroup:
+        return plan_group(spec, resolve_pairing(spec, pairing, library), library)
+
+    return tuple(together(partial(planned, pairing) for pairing in spec.pairings))
+
+
+def _laid_out(
+    spec: SetSpec, resolved: ResolvedPairing, library: Library
+) -> tuple[list[LaidOut], Body]:
+    """The clips of a pairing in time, and their body."""
+    clips: list[LaidOut] = []
+    bodies: list[Body] = []
+
+    def lay(method: str | None, length: int) -> None:
+        at_length = None if method else length
+        clips.append(lay_out(spec, resolved, library, method=method, length=at_length))
+
+    def dress() -> None:
+        source = library.load(resolved.pairing.from_clip)
+        bodies.append(_body(source, spec.appearance.body))
+
+    works: list[Callable[[], None]] = [dress]
+    works += [partial(lay, *kind) for kind in _kinds(resolved)]
+    together(works)
+    return clips, bodies[0]
+
+
+def _kinds(resolved: ResolvedPairing) -> list[tuple[str | None, int]]:
+    """The method (None: a set by lengths) and the length of each clip."""
+    return [*resolved.methods.items(), *((None, length) for length in resolved.lengths)]
+
+
+def _group(
+    spec: SetSpec,
+    resolved: ResolvedPairing,
+    library: Library,
+    laid: Sequence[LaidOut],
+    body: Body,
+) -> PlannedGroup:
     look, pairing = spec.appearance, resolved.pairing
-    kinds: list[tuple[str | None, int]] = [
-        *resolved.methods.items(), *((None, length) for length in resolved.lengths)
-    ]  # fmt: skip
-    laid = [
-        lay_out(spec, resolved, library, method=method, length=None if method else length)
-        for method, length in kinds
-    ]
-    source = library.load(pairing.from_clip)
-    body = _body(source, look.body)
+    kinds = _kinds(resolved)
     camera = group_camera(body, [clip.motion for clip in laid], look, laid[0].at)
     names = _names(spec, resolved, library, laid)
     reference = next(
         clip for (_, length), clip in zip(kinds, laid, strict=True) if length == resolved.anchor
     )
+
+    def planned(method: str | None, clip: LaidOut, name: str) -> PlannedClip:
+        measures = {
+            **transition_measures(clip.transition, reference.transition),
+            **end_displacements(clip, reference),
+            **picture_displacements(clip, reference, camera),
+        }
+        document = _clip_document(spec, resolved, method, clip, measures)
+        return PlannedClip(name, clip, bone_motion(body, clip.motion), document)
+
     clips = tuple(
-        _planned(spec, resolved, method, clip, reference, bone_motion(body, clip.motion), name)
+        planned(method, clip, name)
         for (method, _), clip, name in zip(kinds, laid, names, strict=True)
     )
     if len({clip.hash for clip in clips}) < len(clips):
         _warn_of_copies(spec, pairing.name, kinds, clips)
-    return PlannedGroup(
-        pairing.name, body, camera, clips, _group_document(resolved, library, camera, body)
-    )
+    scenery = Scenery(pairing.name, body.skin, camera, look)
+    document = _group_document(resolved, library, camera, body)
+    return PlannedGroup(resolved, body, scenery, clips, document)
 
 
 def _names(
@@ -110,17 +182,16 @@ def _warn_of_copies(
             )
 
 
-def _planned(
+def _clip_document(
     spec: SetSpec,
     resolved: ResolvedPairing,
     method: str | None,
     clip: LaidOut,
-    reference: LaidOut,
-    bones: NDArray[np.float32],
-    name: str,
-) -> PlannedClip:
+    measures: Mapping[str, float | None],
+) -> dict[str, Any]:
+    """A clip's entry in the manifest, but for what its file holds."""
     remark = resolved.remarks.get(method) if method else None
-    document = {
+    return {
         "motion": resolved.name,
         "method": method,
         "specification": spec.specification,
@@ -131,18 +202,13 @@ def _planned(
         "mixed": list(clip.mixed),
         "first_altered": clip.altered,
         "measures": {
-            key: value if value is None else round(value, 6)
-            for key, value in {
-                **transition_measures(clip.transition, reference.transition),
-                **end_displacements(clip, reference),
-            }.items()
+            key: value if value is None else round(value, 6) for key, value in measures.items()
         },
         "report": _plain(clip.transition.report),
         "warnings": [remark] if remark else [],
         "recipe": RECIPE,
         "appearance": asdict(spec.appearance),
     }
-    return PlannedClip(name, clip, bones, document)
 
 
 def _group_document(

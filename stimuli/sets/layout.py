@@ -10,11 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stimuli.errors import InputError
 from stimuli.motion.library import Library
 from stimuli.motion.loops import unroll
 from stimuli.motion.skeleton import Motion
 from stimuli.sets.plan import ResolvedPairing
+from stimuli.sets.refusals import RefusedError
 from stimuli.sets.spec import Pairing, SetSpec
 from stimuli.sets.ways import way_of
 from stimuli.transition import LONGEST, Transition, transition
@@ -60,7 +60,7 @@ def lay_out(
 ) -> LaidOut:
     """One clip of a pairing, of a method or of a length.
 
-    Loops are unrolled as needed; InputError where a motion has too few frames for the clip.
+    Loops are unrolled as needed; RefusedError where motions have too few frames for the clip.
     """
     pairing = resolved.pairing
     at = frame_of_i(spec, resolved.anchor)
@@ -74,9 +74,18 @@ def lay_out(
         route=way_of(spec, pairing, library, method) if method else None,
     )  # fmt: skip
     start = i - at
+    after = start + spec.frames - len(joined.motion)
+    if start < 0 or after > 0:
+        raise RefusedError(
+            [
+                *(
+                    [_too_few(pairing.from_clip, pairing.from_frame, "before", -start)]
+                    * (start < 0)
+                ),
+                *([_too_few(pairing.to_clip, pairing.to_frame, "after", after)] * (after > 0)),
+            ]
+        )
     cut = joined.motion[start : start + spec.frames]
-    if len(cut) < spec.frames:
-        raise _too_few(pairing.to_clip, pairing.to_frame, "after", spec.frames - len(cut))
     first, last = joined.mixed
     same = np.all(joined.motion.rotations[:i] == a.rotations[:i], axis=(1, 2))
     altered = first if same.all() else min(first, int(np.argmin(same)))
@@ -84,15 +93,12 @@ def lay_out(
 
 
 def _from_motion(pairing: Pairing, library: Library, at: int) -> tuple[Motion, int]:
-    """The from motion with `at` frames before frame i, and where i is in it."""
+    """The from motion with `at` frames before frame i if it is a loop, and where i is in it."""
     motion = library.load(pairing.from_clip).motion
     before = max(at, LONGEST) - pairing.from_frame
     after = LONGEST - (len(motion) - 1 - pairing.from_frame)
     motion, shift = unroll(motion, before, after)
-    i = pairing.from_frame + shift
-    if i < at:
-        raise _too_few(pairing.from_clip, pairing.from_frame, "before", at - i)
-    return motion, i
+    return motion, pairing.from_frame + shift
 
 
 def _to_motion(spec: SetSpec, pairing: Pairing, library: Library, at: int) -> tuple[Motion, int]:
@@ -104,8 +110,8 @@ def _to_motion(spec: SetSpec, pairing: Pairing, library: Library, at: int) -> tu
     return motion, pairing.to_frame + shift
 
 
-def _too_few(clip: str, frame: int, where: str, missing: int) -> InputError:
-    return InputError(
+def _too_few(clip: str, frame: int, where: str, missing: int) -> str:
+    return (
         f"{clip}: expected enough frames {where} frame {frame} to fill the clip, found "
         f"{missing} too few.\nChoose another frame, or shorter clips (seconds)."
     )

@@ -1,4 +1,7 @@
-"""What a session knows of a stimulus set: one JSON document beside the clips."""
+"""What a session knows of a stimulus set: one JSON document beside the clips.
+
+`MANIFEST.md`, in this folder, says what every key means.
+"""
 
 import json
 from collections.abc import Mapping
@@ -9,7 +12,8 @@ from typing import Any
 from stimuli.errors import InputError
 from stimuli.sets.naming import digest
 
-FORMAT = 1
+FORMAT = 2
+READ = (1, FORMAT)
 MANIFEST = "manifest.json"
 
 
@@ -72,9 +76,9 @@ def load_manifest(directory: Path) -> Manifest:
         ) from error
     except (OSError, ValueError) as error:
         raise InputError(f"{path}: expected a manifest, found a damaged one ({error}).") from error
-    if not isinstance(document, dict) or document.get("format") != FORMAT:
+    if not isinstance(document, dict) or document.get("format") not in READ:
         raise InputError(
-            f"{path}: expected a manifest of format {FORMAT}, found another.\n"
+            f"{path}: expected a manifest of format {' or '.join(map(str, READ))}, found another.\n"
             "Build the set again with segue render."
         )
     return from_document(directory, document)

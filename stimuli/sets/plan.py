@@ -3,9 +3,12 @@
 import warnings
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import partial
+from itertools import combinations
 
 from stimuli.errors import InputError, InputWarning
 from stimuli.motion.library import Library
+from stimuli.sets.refusals import together
 from stimuli.sets.spec import Pairing, SetSpec
 from stimuli.sets.ways import way_of
 from stimuli.transition import METHODS, Length, blend_length, with_room
@@ -44,21 +47,39 @@ class ResolvedPairing:
 def resolve(spec: SetSpec, library: Library) -> tuple[ResolvedPairing, ...]:
     """The lengths of every pairing; nothing is rendered.
 
-    InputError for clips that cannot be found or joined, and for lengths below 1 unless
-    `spec.drop_missing`, which drops them with a warning.
+    RefusedError, of all pairings at once, for clips that cannot be found or joined, for methods
+    that choose nearly one length, and for lengths below 1 unless `spec.drop_missing`, which drops
+    them with a warning.
     """
-    check_pairings(spec, library)
-    return tuple(_resolved(spec, pairing, library) for pairing in spec.pairings)
+    return tuple(together(partial(resolve_pairing, spec, each, library) for each in spec.pairings))
+
+
+def resolve_pairing(spec: SetSpec, pairing: Pairing, library: Library) -> ResolvedPairing:
+    """The lengths of one pairing; RefusedError names it."""
+
+    def resolved() -> ResolvedPairing:
+        together(partial(_refuse, fault) for fault in _faults(pairing, library))
+        return _resolved(spec, pairing, library)
+
+    return together([resolved], place_of(spec, pairing))[0]
+
+
+def place_of(spec: SetSpec, pairing: Pairing) -> str:
+    """What is said before a fault of a pairing."""
+    return f"set {spec.name}, {pairing.name}: "
+
+
+def _refuse(fault: str) -> None:
+    raise InputError(fault)
 
 
 def _resolved(spec: SetSpec, pairing: Pairing, library: Library) -> ResolvedPairing:
     if spec.reference is None:
         if not spec.methods:
-            raise InputError(
-                f"set {spec.name}: expected methods or a reference length, found neither."
-            )
+            raise InputError("expected methods or a reference length, found neither.")
         chosen = {method: chosen_length(spec, pairing, library, method) for method in spec.methods}
         lengths = {method: length.frames for method, length in chosen.items()}
+        _refuse_alike(lengths, spec.methods_apart)
         faults = {
             method: f"the {method} length was clamped to {length.frames} frames"
             for method, length in chosen.items()
@@ -73,23 +94,24 @@ def _resolved(spec: SetSpec, pairing: Pairing, library: Library) -> ResolvedPair
     return ResolvedPairing(pairing, reference, _lengths(spec, pairing, reference), {})
 
 
+def _refuse_alike(lengths: Mapping[str, int], apart: int) -> None:
+    """A motion whose methods give nearly the same length compares nothing: InputError."""
+    for (one, length), (other, second) in combinations(lengths.items(), 2):
+        if abs(length - second) < apart:
+            raise InputError(
+                f"expected lengths at least {apart} frames apart, found {one} {length} and "
+                f"{other} {second}; choose other frames"
+            )
+
+
 def chosen_length(spec: SetSpec, pairing: Pairing, library: Library, method: str) -> Length:
     """The blend length that a method chooses; loops are given room on both sides."""
     a, i = with_room(library.load(pairing.from_clip).motion, pairing.from_frame)
     b, j = with_room(library.load(pairing.to_clip).motion, pairing.to_frame)
     if method not in METHODS:
-        raise InputError(
-            f"set {spec.name}: expected methods among {', '.join(METHODS)}, found {method!r}."
-        )
+        raise InputError(f"expected methods among {', '.join(METHODS)}, found {method!r}.")
     route = way_of(spec, pairing, library, method)
     return blend_length(a, b, i, j, method, spec.specification, route)
-
-
-def check_pairings(spec: SetSpec, library: Library) -> None:
-    """Refuse, all at once, frames that clips do not have and clips of different hierarchies."""
-    found = [fault for pairing in spec.pairings for fault in _faults(pairing, library)]
-    if found:
-        raise InputError("\n".join(f"set {spec.name}, {fault}" for fault in found))
 
 
 def _faults(pairing: Pairing, library: Library) -> Iterator[str]:
@@ -99,14 +121,14 @@ def _faults(pairing: Pairing, library: Library) -> Iterator[str]:
         last = len(motion) - 1
         if not 0 <= frame <= last:
             yield (
-                f"{pairing.name}: expected a frame from 0 to {last} of {clip} (30 a second), "
+                f"expected a frame from 0 to {last} of {clip} (30 a second), "
                 f"found {frame}; choose another"
             )
     try:
         check_pair(*motions)
     except InputError as error:
         told = str(error).replace("two motions: ", "")
-        yield f"{pairing.name}, {pairing.from_clip} to {pairing.to_clip}: {told}"
+        yield f"{pairing.from_clip} to {pairing.to_clip}: {told}"
 
 
 def _lengths(spec: SetSpec, pairing: Pairing, reference: int) -> tuple[int, ...]:
@@ -116,14 +138,14 @@ def _lengths(spec: SetSpec, pairing: Pairing, reference: int) -> tuple[int, ...]
     missing = sorted(length for length in wanted if length < 1)
     if missing and not spec.drop_missing:
         raise InputError(
-            f"set {spec.name}, {pairing.name}: expected blends of 1 frame or more, found "
-            f"{reference} - {reference - missing[0]} = {missing[0]}.\n"
+            f"expected blends of 1 frame or more, found {reference} - "
+            f"{reference - missing[0]} = {missing[0]}.\n"
             "Leave that difference out of `shorter`, or set drop_missing."
         )
     if missing:
         dropped = ", ".join(str(length - reference) for length in missing)
         warnings.warn(
-            f"set {spec.name}, {pairing.name}: differences {dropped} from {reference} frames "
+            f"{place_of(spec, pairing)}differences {dropped} from {reference} frames "
             "leave no blend and are dropped",
             InputWarning,
             stacklevel=4,

@@ -30,7 +30,8 @@ class Through:
 class SetSpec:
     """A whole set: for each pairing a clip of each method, or of each length around a reference.
 
-    `shorter` and `longer` are absolute differences in frames from the reference length.
+    `shorter` and `longer` are absolute differences in frames from the reference length; the
+    methods of a pairing are refused whose lengths are less than `methods_apart` frames apart.
     """
 
     name: str
@@ -41,6 +42,7 @@ class SetSpec:
     shorter: tuple[int, ...] = ()
     longer: tuple[int, ...] = ()
     drop_missing: bool = False
+    methods_apart: int = 0
     seconds: float = 6.0
     fps: int = 30
     smooth: bool = False

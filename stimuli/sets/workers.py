@@ -1,105 +1,112 @@
-"""Processes that render clips, one a core, each with one OpenGL context.
+"""Who draws: processes here, one a core with one OpenGL context each, or a cluster.
 
-A worker is spawned, not forked, with one BLAS thread (more fight the software rasteriser), and
-talks over a pipe: when the process that started it dies, the pipe closes and the worker ends.
+A process is spawned, not forked, and talks over a pipe: when the one that started it dies, the
+pipe closes and it ends. It holds one group's scenery and one frame at a time, however long a set.
 """
 
-import hashlib
 import multiprocessing
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
-from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
+from stimuli.cluster import cluster
+from stimuli.errors import InputError, MachineError
+from stimuli.sets.drawing import ENVIRONMENT, Drawing, draw_on_cluster, stop_drawing
+from stimuli.sets.frames import DrawJob, DrawnFrame, Scenery
+from stimuli.sets.naming import RECIPE
 
-from stimuli.errors import MachineError, UnwritableError
-from stimuli.files import NO_ROOM
-from stimuli.render.appearance import Appearance
-from stimuli.render.bodies import Skin
-from stimuli.render.camera import Camera
-
-ENVIRONMENT = {
-    "OMP_NUM_THREADS": "1",
-    "OPENBLAS_NUM_THREADS": "1",
-    "MKL_NUM_THREADS": "1",
-    "LP_NUM_THREADS": "0",
-    "PYOPENGL_PLATFORM": "egl",
-}
-
-
-@dataclass(frozen=True, eq=False)
-class RenderJob:
-    """A clip to render: how a skin's bones (F, B, 8) move, seen by a camera."""
-
-    path: Path
-    skin: Skin
-    bones: NDArray[np.float32]
-    fps: float
-    camera: Camera
-    look: Appearance
+AT_ONCE = 16  # frames a message
 
 
 @dataclass(frozen=True)
-class Rendered:
-    """A clip that was rendered: how many frames, and the SHA-256 of their RGB bytes in order.
+class Crew:
+    """How many processes here (None: all cores), or the address of a Dask scheduler; the device."""
 
-    Another machine's rasteriser may shade the edge of a figure otherwise, so that this hash tells
-    whether a file was damaged, not whether two clips are one: their names do.
-    """
-
-    path: Path
-    frames: int
-    frames_sha256: str
+    workers: int | None = None
+    scheduler: str | None = None
+    device: str = "auto"
 
 
-def render_all(
-    jobs: Sequence[RenderJob], workers: int | None, done: Callable[[Rendered], None]
+Taken = Callable[[Sequence[DrawnFrame], str], None]  # frames, and the driver that drew them
+
+
+def draw_all(
+    jobs: Sequence[DrawJob], sceneries: Mapping[str, Scenery], codec: str, crew: Crew, taken: Taken
 ) -> None:
-    """Render jobs in `workers` processes (default: all cores); `done` is called for each.
+    """Draw jobs, in any order; `taken` is called for some frames at a time.
 
-    MachineError or RuntimeError when a worker fails or dies; clips rendered before stay.
+    MachineError or RuntimeError when a worker fails or dies.
     """
-    count = min(workers or os.cpu_count() or 1, len(jobs))
-    with _started(count) as team:
+    if crew.scheduler is not None:
+        _on_cluster(jobs, sceneries, codec, crew, taken)
+        return
+    count = min(crew.workers or os.cpu_count() or 1, len(jobs))
+    with _started(count, codec, crew.device) as team:
         waiting = list(reversed(jobs))
-        busy = 0
-        for pipe in team:
-            pipe.send(waiting.pop())
-            busy += 1
+        held: dict[Connection, str] = {}
+
+        def next_job(pipe: Connection) -> int:
+            if not waiting:
+                return 0
+            job = waiting.pop()
+            with _living():
+                if held.get(pipe) != job.scenery:
+                    held[pipe] = job.scenery
+                    pipe.send(sceneries[job.scenery])
+                pipe.send(job)
+            return 1
+
+        busy = sum(next_job(pipe) for pipe in team)
         while busy:
             ready = wait(list(team))
             for pipe in (pipe for pipe in team if pipe in ready):
-                result = _received(pipe)
-                busy -= 1
-                if waiting:
-                    pipe.send(waiting.pop())
-                    busy += 1
-                done(result)
+                driver, frames = _received(pipe)
+                if frames:
+                    taken(frames, driver)
+                else:
+                    busy += next_job(pipe) - 1
 
 
-def _received(pipe: Connection) -> Rendered:
-    try:
+def _on_cluster(
+    jobs: Sequence[DrawJob], sceneries: Mapping[str, Scenery], codec: str, crew: Crew, taken: Taken
+) -> None:
+    shared = (RECIPE, codec, crew.device, dict(sceneries))
+    with cluster(str(crew.scheduler)) as workers:
+        try:
+            for _, (frames, driver) in workers.spread(draw_on_cluster, jobs, shared):
+                taken(frames, driver)
+        finally:
+            workers.everywhere(stop_drawing)
+
+
+def _received(pipe: Connection) -> tuple[str, list[DrawnFrame]]:
+    with _living():
         result = pipe.recv()
-    except EOFError:
+    if isinstance(result, MachineError | InputError):
+        raise result
+    if isinstance(result, BaseException):
+        raise RuntimeError(f"rendering failed: {result}") from result
+    driver, frames = result
+    return driver, frames
+
+
+@contextmanager
+def _living() -> Iterator[None]:
+    """MachineError where the process at the other end of a pipe has died."""
+    try:
+        yield
+    except (EOFError, OSError):
         raise MachineError(
             "rendering: a process died, as when memory runs out; the clips rendered so far are "
             "kept.\nRun it again, with --workers 1 where memory is short; `segue doctor` says more"
         ) from None
-    if isinstance(result, MachineError):
-        raise result
-    if isinstance(result, BaseException):
-        raise RuntimeError(f"rendering failed: {result}") from result
-    assert isinstance(result, Rendered)
-    return result
 
 
 @contextmanager
-def _started(count: int) -> Iterator[tuple[Connection, ...]]:
+def _started(count: int, codec: str, device: str) -> Iterator[tuple[Connection, ...]]:
     """Pipes to `count` workers, which end when the block does, killed if it fails."""
     context = multiprocessing.get_context("spawn")
     pipes: list[Any] = []  # of another type on each system
@@ -107,7 +114,7 @@ def _started(count: int) -> Iterator[tuple[Connection, ...]]:
     with _environment(ENVIRONMENT):
         for _ in range(count):
             here, there = context.Pipe()
-            process = context.Process(target=_work, args=(there,), daemon=True)
+            process = context.Process(target=_work, args=(there, codec, device), daemon=True)
             process.start()
             there.close()
             pipes.append(here)
@@ -115,7 +122,8 @@ def _started(count: int) -> Iterator[tuple[Connection, ...]]:
     try:
         yield tuple(pipes)
         for pipe in pipes:
-            pipe.send(None)
+            with _living():
+                pipe.send(None)
         for process in processes:
             process.join()
     finally:
@@ -142,71 +150,47 @@ def _environment(values: dict[str, str]) -> Iterator[None]:
                 os.environ[name] = value
 
 
-def _work(pipe: Connection) -> None:
-    """Render what comes through the pipe until None comes, or nobody is left at its other end."""
-    from stimuli.render.scene import Renderer
-
-    drawing: Renderer | None = None
+def _work(pipe: Connection, codec: str, device: str) -> None:
+    """Draw what comes through the pipe until None comes, or nobody is left at its other end."""
+    drawing, scenery = Drawing(codec, device), None
     try:
-        while True:
-            job = _next(pipe)
-            if job is None:
-                return
-            if drawing is None or drawing.look != job.look:
-                if drawing is not None:
-                    drawing.close()
-                    drawing = None
-                drawing = Renderer(job.look)
-            pipe.send(_outcome(job, drawing))
+        while (sent := _next(pipe)) is not None:
+            if isinstance(sent, Scenery):
+                scenery = sent
+            else:
+                assert scenery is not None, "a scenery comes before its jobs"
+                _draw(pipe, drawing, sent, scenery)
     except (BrokenPipeError, KeyboardInterrupt):
         return
-    except MachineError as error:
-        pipe.send(error)
     finally:
-        if drawing is not None:
-            drawing.close()
+        drawing.close()
 
 
-def _next(pipe: Connection) -> RenderJob | None:
+def _next(pipe: Connection) -> Scenery | DrawJob | None:
     try:
-        job = pipe.recv()
+        sent = pipe.recv()
     except EOFError:
         return None
-    assert job is None or isinstance(job, RenderJob)
-    return job
+    assert sent is None or isinstance(sent, Scenery | DrawJob)
+    return sent
 
 
-def _outcome(job: RenderJob, drawing: Any) -> Rendered | BaseException:
-    """The clip's frames written and hashed, or what went wrong."""
-    from stimuli.render.video import write_video
-
-    sha = hashlib.sha256()
-
-    def frames() -> Iterator[Any]:
-        for frame in drawing.frames(job.bones):
-            sha.update(frame.tobytes())
-            yield frame
-
+def _draw(pipe: Connection, drawing: Drawing, job: DrawJob, scenery: Scenery) -> None:
+    """The job's frames, some at a time, and none when it is done; or what went wrong."""
+    ready: list[DrawnFrame] = []
     try:
-        drawing.show(job.skin, job.camera)
-        count = write_video(job.path, frames(), job.fps)
+        for frame in drawing.frames(job, scenery):
+            ready.append(frame)
+            if len(ready) == AT_ONCE:
+                pipe.send((drawing.driver, ready))
+                ready = []
+    except (MachineError, InputError) as error:
+        pipe.send(error)
+    except (BrokenPipeError, KeyboardInterrupt):
+        raise
     except Exception as error:
-        if isinstance(error, UnwritableError):
-            return _unwritten(job.path, error)
-        return RuntimeError(f"{job.path.name}: {type(error).__name__}: {error}")
-    return Rendered(job.path, count, sha.hexdigest())
-
-
-def _unwritten(path: Path, error: UnwritableError) -> MachineError:
-    """A clip that could not be written; those rendered so far are kept."""
-    cause = error.__cause__
-    why = getattr(cause, "strerror", None) or cause
-    if isinstance(cause, OSError) and cause.errno in NO_ROOM:
-        return MachineError(
-            f"{path.parent}: expected room for a clip, found none ({why}); the clips rendered so "
-            "far are kept.\nMake room on that disk, and run it again"
-        )
-    return MachineError(
-        f"{path}: expected a place for a clip, found: {why}; the clips rendered so far are "
-        "kept.\nMend that, and run it again"
-    )
+        pipe.send(RuntimeError(f"{type(error).__name__}: {error}"))
+    else:
+        if ready:
+            pipe.send((drawing.driver, ready))
+        pipe.send((drawing.driver, []))

@@ -47,7 +47,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     warnings.showwarning = _say_warning
     _spare_matplotlib()
     try:
-        return int(args.run(args))
+        return _run(args)
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
         return 1
@@ -59,6 +59,18 @@ def main(argv: Sequence[str] | None = None) -> int:
             raise
         print(f"segue {named}: {_message(error)}", file=sys.stderr)
         return 2 if _is_input_fault(error) else 1
+
+
+def _run(args: argparse.Namespace) -> int:
+    """Run a command; where it is given a battery, for each of its protocols."""
+    if "protocol" in args:
+        from study.protocol.battery import battery_of
+
+        if (battery := battery_of(args.protocol)) is not None:
+            from study.cli.battery import run_each
+
+            return run_each(battery, args)
+    return int(args.run(args))
 
 
 class _Parser(argparse.ArgumentParser):

@@ -55,7 +55,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--smooth", action="store_true", help="ease the weights by a smoothstep")
     parser.add_argument("--no-foot-lock", action="store_true", help="let feet slide as they will")
     parser.add_argument(
-        "--out", type=Path, required=True, metavar="FILE.bvh|.mp4|.mkv", help="what to write"
+        "--out",
+        type=Path,
+        required=True,
+        metavar="FILE.bvh|.mp4|.mov|.mkv|.glb",
+        help="what to write: the motion; a video, H.264 or lossless; the moving figure as glTF",
+    )
+    parser.add_argument(
+        "--glb", action="store_true", help="write the moving figure as glTF too, beside FILE"
     )
     parser.add_argument("--json", action="store_true", help="print one JSON document")
     add_motions_option(parser)
@@ -66,11 +73,13 @@ def run(args: argparse.Namespace) -> int:
     from study.cli.common import check_outputs, print_json
     from study.cli.writing import MOTION_FILES, write_motion
 
-    check_outputs(("--out", args.out, MOTION_FILES))
+    outputs = [args.out, *([args.out.with_suffix(".glb")] if args.glb else [])]
+    check_outputs(*(("--out", path, MOTION_FILES) for path in outputs))
     framed = names_frame(args.from_point) or names_frame(args.to_point)
     join = _join if framed or args.method != "cut" else _best_cut
     joined, (i, j) = join(args, open_library(args.motions))
-    write_motion(joined.motion, args.out)
+    for path in dict.fromkeys(outputs):
+        write_motion(joined.motion, path)
     if args.json:
         print_json(
             {

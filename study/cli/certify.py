@@ -4,7 +4,14 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from study.cli.common import SEED, add_motions_option, print_json, progress
+from study.cli.common import (
+    SEED,
+    add_crew_options,
+    add_motions_option,
+    check_crew,
+    print_json,
+    progress,
+)
 
 if TYPE_CHECKING:
     from study.cli.designs import SimulatedStudy
@@ -24,7 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", type=SEED, default=1, help="default: 1")
     parser.add_argument("--set", dest="set_name", help="the set whose motions give the lengths")
     parser.add_argument("--stimuli", type=Path, metavar="SET", help="stimulus set to check as well")
-    parser.add_argument("--workers", type=int, help="processes (default: all cores)")
+    add_crew_options(parser)
     parser.add_argument("--out", type=Path, default=Path("certificate.json"), metavar="FILE")
     parser.add_argument("--json", action="store_true")
     add_motions_option(parser)
@@ -41,6 +48,7 @@ def run(args: argparse.Namespace) -> int:
 
     if args.sets < 2 or (args.participants is not None and args.participants < 1):
         raise InputError("--sets and --participants: expected at least 2 sets and 1 participant")
+    check_crew(args)
     protocol = load_protocol(args.protocol)
     _check_effects(args.effect or [], protocol)
     people = args.participants or protocol.file.participants
@@ -49,8 +57,10 @@ def run(args: argparse.Namespace) -> int:
         SimulatedStudy(dict(protocol.document), lengths, args.seed * 100_003 + n, people)
         for n in range(args.sets)
     ]
-    studies = _all(jobs, args.workers)
-    options = Options(args.seed, tuple(args.effect or ()), args.stimuli, args.workers)
+    studies = _all(jobs, args.workers, args.scheduler)
+    options = Options(
+        args.seed, tuple(args.effect or ()), args.stimuli, args.workers, args.scheduler
+    )
     created = datetime.now(UTC).isoformat(timespec="seconds")
     entry = certificate(protocol, lengths, studies, people, options) | {"created": created}
     _write(args.out, protocol.hash, entry)
@@ -75,14 +85,16 @@ def _check_effects(effects: list[float], protocol: "Protocol") -> None:
             )
 
 
-def _all(jobs: "list[SimulatedStudy]", workers: int | None) -> list[dict[str, Any]]:
-    """Simulate and analyse every study, on all cores."""
+def _all(
+    jobs: "list[SimulatedStudy]", workers: int | None, scheduler: str | None
+) -> list[dict[str, Any]]:
+    """Simulate and analyse every study, on all cores or a cluster."""
+    from stimuli.processes import mapped
     from study.cli.designs import one_study
-    from study.session.processes import mapped
 
     found = []
     with progress(len(jobs), "simulating studies") as step:
-        for study in mapped(one_study, jobs, workers, len(jobs)):
+        for study in mapped(one_study, jobs, workers, len(jobs), scheduler):
             found.append(study)
             step(len(found))
     return found

@@ -76,7 +76,7 @@ def made_graph(
 
 def shortest_route(library: "Library", a: "Point", b: "Point", tau: float) -> "Route":
     """The shortest way between two points, through the clips of the library of their hierarchy."""
-    from stimuli.collection import gather
+    from stimuli.collection import gathered
     from stimuli.errors import InputError
     from stimuli.graph import graph_kept, route_of
 
@@ -93,7 +93,7 @@ def shortest_route(library: "Library", a: "Point", b: "Point", tau: float) -> "R
                 clips += [clip] if same else []
             step(done, len(paths))
     clips += [point.clip for point in (a, b) if point.clip not in clips]
-    collection = gather(clips)
+    collection = gathered(clips)
     graph = graph_kept(collection, tau, lambda place: made_graph(collection, tau, place))
     start, end = ((clips.index(point.clip), point.frame) for point in (a, b))
     return route_of(graph, collection, start, end)

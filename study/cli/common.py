@@ -49,6 +49,26 @@ def add_motions_option(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_crew_options(parser: argparse.ArgumentParser) -> None:
+    """`--workers N` and `--scheduler ADDRESS`: who does the work."""
+    parser.add_argument("--workers", type=int, metavar="N", help="processes (default: all cores)")
+    parser.add_argument(
+        "--scheduler", metavar="ADDRESS", help="of a Dask cluster that does the work instead"
+    )
+
+
+def check_crew(args: argparse.Namespace) -> None:
+    """InputError unless `--workers` and `--scheduler` can be meant."""
+    from stimuli.errors import InputError
+
+    if args.workers is not None and args.workers < 1:
+        raise InputError(f"--workers: expected 1 or more, found {args.workers}")
+    if args.workers is not None and args.scheduler is not None:
+        raise InputError(
+            "--workers, --scheduler: expected one of them, found both; a cluster has its own."
+        )
+
+
 def add_velocity_option(parser: argparse.ArgumentParser) -> None:
     """`--velocity-weight NU`: how much differing velocities count."""
     parser.add_argument(

@@ -37,6 +37,7 @@ class Options:
     effects: tuple[float, ...] = ()
     stimuli: Path | None = None
     workers: int | None = None
+    scheduler: str | None = None
 
 
 def one_study(job: SimulatedStudy) -> dict[str, Any]:
@@ -59,6 +60,7 @@ def simulated_trials(
     """The counted trials of all people of one study, and each session's minutes and trials."""
     import pandas as pd
 
+    from analysis.rows import FLAGS, NUMBERS
     from study.session.duration import minutes_of
     from study.session.simulation import plan_of, rows
 
@@ -70,7 +72,7 @@ def simulated_trials(
         counts.append(float(len(table)))
         tables.append(table[(table["phase"] == "main") & ~table["void"].astype(bool)])
     whole = pd.concat(tables, ignore_index=True)
-    numbers = {"correct", "difference", "rating"} & set(whole)
+    numbers = (NUMBERS | FLAGS) & {name for name in whole if whole[name].dtype == object}
     return whole.astype(dict.fromkeys(numbers, float)), minutes, counts
 
 
@@ -254,8 +256,8 @@ def _preference_powers(
     As many simulated studies as were asked for; on all cores where there are many.
     """
     from analysis.certificate import PowerJob, preference_power
+    from stimuli.processes import mapped
     from study.cli.common import progress
-    from study.session.processes import mapped
 
     file = protocol.file
     spread = file.observer.spread if file.observer else 0.0
@@ -276,8 +278,9 @@ def _preference_powers(
         for place, row in enumerate(rows)
     ]  # fmt: skip
     most = len(jobs) if sets >= WORTH_PROCESSES else 1
+    powers = mapped(preference_power, jobs, options.workers, most, options.scheduler)
     with progress(len(jobs), "simulating power") as step:
-        for done, power in enumerate(mapped(preference_power, jobs, options.workers, most), 1):
+        for done, power in enumerate(powers, 1):
             rows[done - 1]["power"] = power
             step(done)
     return rows

@@ -17,16 +17,17 @@ import os; os.environ["PYOPENGL_PLATFORM"] = "egl"
 from stimuli.render.appearance import Appearance
 from stimuli.render.scene import Renderer
 renderer = Renderer(Appearance(width=64, height=64))
-from OpenGL import GL
-print(GL.glGetString(GL.GL_RENDERER).decode(), "/ OpenGL", GL.glGetString(GL.GL_VERSION).decode())
+from stimuli.render.device import listed
+told = f"{renderer.driver}; --device {listed()}"
 renderer.close()
+print(told)
 """
 OPENS = """
 import json
 from study.protocol.schema import Keys
 from study.screen.clips import ClipCache
 from study.screen.window import Look, WindowStage
-look = Look(Keys(), ("1", "2"), 0.0, 0.5, 30.0, (128, 128, 128), simulated=True, pace=20.0)
+look = Look(Keys(), 0.0, 0.5, 30.0, (128, 128, 128), simulated=True, pace=20.0)
 stage = WindowStage(look, ClipCache(lambda key: None), None, windowed=True)
 stage.tell("Segue")
 print(json.dumps(stage.display()))
@@ -131,12 +132,12 @@ def _places() -> str:
 def _codecs() -> str:
     import av
 
-    for name in ("ffv1", "libx264"):
+    for name in ("qtrle", "ffv1", "libx264"):
         try:
             av.CodecContext.create(name, "w")
         except Exception as error:
             raise RuntimeError(f"codec {name} is missing ({error}); reinstall av") from error
-    return f"ffv1 and h264 through PyAV {av.__version__}"
+    return f"qtrle, ffv1 and h264 through PyAV {av.__version__}"
 
 
 def _motions(option: list[Path] | None) -> str:

@@ -152,8 +152,9 @@ def _path(args: argparse.Namespace) -> int:
     from stimuli.graph import shortest_way
     from study.cli.collections import open_graph
     from study.cli.common import check_outputs, print_json
+    from study.cli.writing import MOTION_FILES
 
-    check_outputs(("--out", args.out, (".bvh", ".mp4", ".mkv")))
+    check_outputs(("--out", args.out, MOTION_FILES))
     collection, graph = open_graph(args)
     ends = [_place(collection, text) for text in (args.from_point, args.to_point)]
     way = shortest_way(graph, *ends)

@@ -53,6 +53,7 @@ def run(args: argparse.Namespace) -> int:
         screen=args.screen,
         windowed=args.windowed,
         lost=_lost(args),
+        battery=getattr(args, "battery", None),
     )
     check(request, protocol)
     if not has_screen():
@@ -68,7 +69,7 @@ def run(args: argparse.Namespace) -> int:
             f"segue: note: keys are timed by the X server, to about a millisecond;\n{PERMIT}",
             file=sys.stderr,
         )
-    _ask_person(args)
+    _ask_person(args, protocol)
     record = _conducted(args, request, protocol, manifest)
     if record is None:
         return 1
@@ -143,8 +144,8 @@ def _full_set(protocol: Any) -> Any:
         check_rendered(protocol, manifest, rehearsal=True)
     except InputError:
         return None
-    first = protocol.file.stimuli.motions[0].name
-    shown = [clip for clip in manifest.clips if clip.motion == first]
+    names = {pair.name for pair in protocol.file.stimuli.shown(rehearsal=True)}
+    shown = [clip for clip in manifest.clips if clip.motion in names]
     return manifest if all(clip.path.is_file() for clip in shown) else None
 
 
@@ -213,16 +214,22 @@ def _resume(args: argparse.Namespace, record: Any) -> bool:
     return input("Go on with it? [Y/n] ").strip().lower() in ("", "y", "yes")
 
 
+def _place(args: argparse.Namespace) -> int:
+    """Which part of a battery this session is; alone it is the first."""
+    part = getattr(args, "battery", None)
+    return int(part["position"]) if part else 1
+
+
 def _asks(args: argparse.Namespace) -> bool:
     return args.observer == "human" and not args.rehearsal and sys.stdin.isatty()
 
 
-def _ask_person(args: argparse.Namespace) -> None:
+def _ask_person(args: argparse.Namespace, protocol: Any) -> None:
     """What a study asks of a person, before the session, on a terminal; blank is n/a."""
     from study.record.dataset import QUESTIONS, enrol, prepare
 
-    if _asks(args):
-        prepare(args.data)
+    if _asks(args) and _place(args) == 1:
+        prepare(args.data, protocol.file.lab)
         answers = {key: input(f"{text}: ").strip() for key, text in QUESTIONS.items()}
         enrol(args.data, args.participant, **answers)
 
@@ -230,5 +237,6 @@ def _ask_person(args: argparse.Namespace) -> None:
 def _ask_comments(args: argparse.Namespace) -> None:
     from study.record.dataset import enrol
 
-    if _asks(args):
+    part = getattr(args, "battery", None)
+    if _asks(args) and (part is None or _place(args) == len(part["order"])):
         enrol(args.data, args.participant, comments=" ".join(input("comments: ").split()))

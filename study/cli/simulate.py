@@ -3,7 +3,14 @@
 import argparse
 from pathlib import Path
 
-from study.cli.common import SEED, add_motions_option, print_json, progress
+from study.cli.common import (
+    SEED,
+    add_crew_options,
+    add_motions_option,
+    check_crew,
+    print_json,
+    progress,
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -13,7 +20,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", type=SEED, default=1, help="default: 1")
     parser.add_argument("--data", type=Path, default=Path("data"), metavar="DIR")
     parser.add_argument("--set", dest="set_name", help="the set whose motions give the lengths")
-    parser.add_argument("--workers", type=int, help="processes (default: all cores)")
+    add_crew_options(parser)
     parser.add_argument("--json", action="store_true")
     add_motions_option(parser)
 
@@ -28,14 +35,16 @@ def run(args: argparse.Namespace) -> int:
 
     if args.participants < 1:
         raise InputError(f"--participants: expected 1 or more, found {args.participants}")
+    check_crew(args)
     protocol = load_protocol(args.protocol)
     lengths = references(protocol, Library(motion_directories(args.motions)), args.set_name)
     with progress(args.participants, "simulating") as step:
         paths = simulate(
-            protocol, lengths, args.participants, args.seed, args.data, args.workers, step
-        )
+            protocol, lengths, args.participants, args.seed, args.data, args.workers, step,
+            args.scheduler,
+        )  # fmt: skip
     if args.json:
-        trials = [sum(1 for _ in path.open(encoding="utf-8")) - 1 for path in paths]
+        trials = [path.read_text(encoding="utf-8").count("\n") - 1 for path in paths]
         print_json(
             {
                 "protocol": protocol.name,

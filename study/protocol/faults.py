@@ -177,6 +177,15 @@ def _motions(document: Mapping[str, Any]) -> Iterator[Fault]:
             yield Fault(("sets", chosen, role), "no motion of [stimuli] uses this role; remove it")
 
 
+def no_conditions(document: Mapping[str, Any]) -> Iterator[Fault]:
+    """Faults of a study whose trials take each pair for a motion of its own."""
+    pairs = table_at(document, "stimuli").get("motions", ())
+    for n, pair in enumerate(pairs if isinstance(pairs, list) else ()):
+        for key in ("of", "condition"):
+            if isinstance(pair, Mapping) and pair.get(key):
+                yield Fault(("stimuli", "motions", n, key), "only ratings have it; remove it")
+
+
 def _lengths(document: Mapping[str, Any]) -> Iterator[Fault]:
     stimuli = table_at(document, "stimuli")
     reference = stimuli.get("reference")

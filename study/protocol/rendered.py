@@ -22,7 +22,7 @@ SETS = Path("stimulus-sets")
 
 def check_rendered(protocol: Protocol, manifest: "Manifest", rehearsal: bool = False) -> None:
     """Refuse a set of another protocol, and one rendered before the protocol was edited."""
-    pairs = protocol.file.stimuli.motions[: 1 if rehearsal else None]
+    pairs = protocol.file.stimuli.shown(rehearsal)
     absent = [pair.name for pair in pairs if pair.name not in manifest.pairings]
     told, chosen = _nearest(protocol, pairs, manifest, rehearsal) if not absent else ([], None)
     if manifest.name != protocol.name and (absent or told):

@@ -30,12 +30,25 @@ class TomlTable(BaseModel):
 
 
 class MotionPair(TomlTable):
-    """A transition of the study: from the motion in one role to the motion in another."""
+    """A transition of the study: from the motion in one role to the motion in another.
+
+    Where the clips that are compared differ in more than their method, each is a pair of its own:
+    `of` names the motion that they share, `condition` what each is called. A pair with the text of
+    an `example` is shown with it before the session begins, and in no trial.
+    """
 
     name: Name
     from_: Name = Field(alias="from")
     to: Name
     category: str = ""
+    of: Name | None = None
+    condition: Name | None = None
+    example: str = ""
+
+    @property
+    def group(self) -> str:
+        """The motion that the pair is of."""
+        return self.of or self.name
 
 
 class Stimuli(TomlTable):
@@ -52,6 +65,17 @@ class Stimuli(TomlTable):
     seconds: Annotated[float, Field(ge=0.5, le=60)] = 6.0
     smooth: bool = False
     foot_lock: bool = True
+
+    def pairs(self, rehearsal: bool = False) -> tuple[MotionPair, ...]:
+        """The pairs that trials show; in a rehearsal those of the first motion."""
+        asked = tuple(pair for pair in self.motions if not pair.example)
+        first = asked[0].group if asked else None
+        return tuple(pair for pair in asked if not rehearsal or pair.group == first)
+
+    def shown(self, rehearsal: bool = False) -> tuple[MotionPair, ...]:
+        """The pairs whose clips a session shows: those of trials, then the examples."""
+        examples = () if rehearsal else tuple(pair for pair in self.motions if pair.example)
+        return (*self.pairs(rehearsal), *examples)
 
 
 class AppearanceTable(TomlTable):
@@ -87,7 +111,8 @@ class Presentation(TomlTable):
 
 
 class Keys(TomlTable):
-    """The keys that answer a trial, for the first and the second alternative, and to leave."""
+    """The keys that answer a trial, for the first and the second alternative, to go on, and to
+    pause or leave."""
 
     first: str = "1"
     second: str = "2"
@@ -101,7 +126,21 @@ class Instructions(TomlTable):
     welcome: str = ""
     question: str = ""
     pause: str = ""
+    interrupted: str = (
+        "Paused.\n\nPress {go_on} to go on; what was on the screen is shown again.\n"
+        "Press {quit} once more to leave. All answers so far are kept."
+    )
     thanks: str = "Thank you. The session is over."
+
+
+class Lab(TomlTable):
+    """Who runs the study and where, for the data set that it leaves."""
+
+    authors: tuple[str, ...] = ()
+    institution: str = ""
+    department: str = ""
+    address: str = ""
+    license: str = ""
 
 
 class Trials(TomlTable):
@@ -193,6 +232,7 @@ class ProtocolFile(TomlTable):
     appearance: AppearanceTable = AppearanceTable()
     presentation: Presentation = Presentation()
     keys: Keys = Keys()
+    lab: Lab = Lab()
     instructions: Instructions = Instructions()
     trials: Trials = Trials()
     rehearsal: Rehearsal = Rehearsal()

@@ -1,6 +1,5 @@
 """From a protocol to its stimulus set: which clips, how joined, and the reference lengths."""
 
-from itertools import combinations
 from typing import TYPE_CHECKING
 
 from stimuli.errors import InputError
@@ -58,10 +57,10 @@ def set_spec(
             to_frame=roles[pair.to].frame,
             category=pair.category,
         )
-        for pair in stimuli.motions[: 1 if rehearsal else None]
+        for pair in stimuli.shown(rehearsal)
     )
     k = stimuli.reference if isinstance(stimuli.reference, int) else 0
-    spec = SetSpec(
+    return SetSpec(
         name=protocol.name,
         pairings=pairings,
         specification=stimuli.specification,
@@ -70,29 +69,13 @@ def set_spec(
         shorter=tuple(sorted({*stimuli.shorter, *(k - n for n in stimuli.lengths if n < k)})),
         longer=tuple(sorted({*stimuli.longer, *(n - k for n in stimuli.lengths if n > k)})),
         drop_missing=stimuli.drop_missing,
+        methods_apart=stimuli.methods_apart,
         seconds=file.rehearsal.seconds if rehearsal else stimuli.seconds,
         smooth=stimuli.smooth,
         foot_lock=stimuli.foot_lock,
         through=None if collection is None else Through(collection.clips, collection.tau),
         appearance=Appearance(**file.appearance.model_dump()),
     )
-    if stimuli.methods_apart:
-        _refuse_alike(protocol, spec, library)
-    return spec
-
-
-def _refuse_alike(protocol: Protocol, spec: "SetSpec", library: "Library") -> None:
-    """A motion whose methods give nearly the same length compares nothing: InputError."""
-    from stimuli.sets import resolve
-
-    apart = protocol.file.stimuli.methods_apart
-    for pairing in resolve(spec, library):
-        for (one, length), (other, second) in combinations(pairing.methods.items(), 2):
-            if abs(length - second) < apart:
-                raise InputError(
-                    f"{protocol.name}: motion {pairing.name}: expected lengths at least {apart} "
-                    f"frames apart, found {one} {length} and {other} {second}; choose other frames"
-                )
 
 
 def references_of_manifest(protocol: Protocol, manifest: "Manifest") -> dict[str, int]:

@@ -5,6 +5,7 @@ import io
 import json
 import re
 import warnings
+from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ from typing import Any
 from stimuli.errors import InputError, InputWarning
 from stimuli.files import refusals_name, write_atomic
 from study.protocol.protocol import Protocol
+from study.protocol.schema import Lab
 from study.record.table import MISSING, Record, reopen
 
 PARTICIPANT = re.compile(r"[A-Za-z0-9]{1,32}")
@@ -68,17 +70,32 @@ def _without_zeros(name: str) -> str:
     return re.sub(r"(?<![0-9])0+(?=[0-9])", "", name.casefold())
 
 
-def prepare(data: Path) -> None:
-    """Make `data` a BIDS data set unless it is one."""
+README = """Sessions recorded by Segue
+==========================
+
+How do people see the transitions between captured human motions? Each table
+`sub-*/beh/*_beh.tsv` is one session, a row a trial; its `.json` says what every column means, and
+holds the protocol whole. `participants.tsv` has what is known of each person, `stimuli/` what each
+clip shows, `sourcedata/` when each frame was flipped. `segue report` reads this folder.
+"""
+
+
+def prepare(data: Path, lab: Lab) -> None:
+    """Make `data` a BIDS data set of a lab unless it is one; authors that it lacks are added."""
     description = data / "dataset_description.json"
-    if not description.exists():
-        content = {
-            "Name": "Segue sessions",
-            "BIDSVersion": "1.10.0",
-            "DatasetType": "raw",
-            "GeneratedBy": [{"Name": "segue"}],
-        }
-        write_atomic(description, json.dumps(content, indent=2) + "\n")
+    held = _json(description)
+    content = held or {
+        "Name": "Segue sessions",
+        "BIDSVersion": "1.10.0",
+        "DatasetType": "raw",
+        "GeneratedBy": [{"Name": "segue"}],
+    }
+    told = {"Authors": list(lab.authors), "License": lab.license}
+    content = content | {key: value for key, value in told.items() if value and key not in content}
+    if content != held and (held or not description.exists()):
+        write_atomic(description, json.dumps(content, indent=2, ensure_ascii=False) + "\n")
+    if not any(data.glob("README*")):
+        write_atomic(data / "README.md", README)
     columns = data / "participants.json"
     if not columns.exists():
         content_columns = {key: {"Description": text} for key, text in PARTICIPANT_COLUMNS.items()}
@@ -138,12 +155,28 @@ def finished_runs(data: Path, participant: str, label: str, rehearsal: bool) -> 
     """The numbers of the runs, or of the rehearsals, that a participant has finished."""
     found = []
     for number, path in runs(data, participant, label).items():
-        try:
-            sidecar = json.loads(path.with_suffix(".json").read_text(encoding="utf-8"))
-        except (OSError, ValueError):
-            continue  # a run that cannot be read is not one known to be finished
+        sidecar = _json(path.with_suffix(".json"))  # what cannot be read is not known as finished
         if sidecar.get("Finished") and bool(sidecar.get("Rehearsal")) == rehearsal:
             found.append(number)
+    return found
+
+
+def _json(path: Path) -> dict[str, Any]:
+    """A document that is there and can be read; else an empty one."""
+    try:
+        held = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return held if isinstance(held, dict) else {}
+
+
+def finished_groups(data: Path, label: str) -> Counter[int]:
+    """How many people of each group have finished a task, rehearsals left out."""
+    found: Counter[int] = Counter()
+    for path in data.glob(f"sub-*/beh/sub-*_task-{label}_run-*_beh.json"):
+        sidecar = _json(path)
+        if sidecar.get("Finished") and not sidecar.get("Rehearsal"):
+            found[int(sidecar.get("Group", 0))] += 1
     return found
 
 

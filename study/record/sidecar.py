@@ -5,9 +5,10 @@ from collections.abc import Mapping
 from importlib import metadata
 from typing import Any
 
-from study.record.table import COMMON, MISSING
+from study.protocol.schema import ProtocolFile
+from study.record.table import COMMON, FORMATS, MISSING
 from study.trials.plan import Plan
-from study.trials.tasks import Task
+from study.trials.tasks import Task, welcome_of
 
 VERSIONS_OF = ("segue", "psychopy", "numpy", "scipy", "av", "psychtoolbox", "pyglet", "pyrender2")
 
@@ -27,11 +28,13 @@ def sidecar_of(
     return {
         "TaskName": plan.protocol.name,
         "TaskDescription": plan.protocol.file.title,
+        **_told(plan.protocol.file, task),
         "Protocol": dict(plan.protocol.document),
         "ProtocolHash": plan.protocol.hash,
         "StimulusSetHash": stimulus_set_hash,
         "ReferenceLengths": {m.name: m.reference for m in plan.motions if m.reference},
         "Seed": plan.seed,
+        "Group": plan.group,
         "Observer": observer,
         "Pace": pace,
         "Rehearsal": plan.rehearsal,
@@ -39,8 +42,20 @@ def sidecar_of(
         "Display": dict(display),
         "SoftwareVersions": software_versions(),
         **more,
-        **{name: {"Description": text} for name, text in columns.items()},
+        **{name: {"Description": text, **FORMATS.get(name, {})} for name, text in columns.items()},
     }
+
+
+def _told(file: ProtocolFile, task: Task) -> dict[str, str]:
+    """What BIDS recommends to say of a task and its place, as far as the protocol says it."""
+    lab = file.lab
+    found = {
+        "Instructions": welcome_of(file, task),
+        "InstitutionName": lab.institution,
+        "InstitutionalDepartmentName": lab.department,
+        "InstitutionAddress": lab.address,
+    }
+    return {key: text for key, text in found.items() if text}
 
 
 def software_versions() -> dict[str, str]:

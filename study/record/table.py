@@ -31,6 +31,13 @@ COMMON: Mapping[str, str] = {
     "clip_b": "hash of the second clip named by the task",
 }
 
+FORMATS: Mapping[str, Mapping[str, str]] = {  # of columns that BIDS knows, and of other numbers
+    "onset": {"Format": "number", "Units": "s"},
+    "response_time": {"Format": "number", "Units": "s"},
+    "trial": {"Format": "integer"},
+    "late_frames": {"Format": "integer"},
+}
+
 
 class NotKeptError(MachineError):
     """An answer could not be written; those before it are kept, and resuming asks it again."""
@@ -83,17 +90,14 @@ class Record:
 def create(path: Path, columns: tuple[str, ...], sidecar: dict[str, Any]) -> Record:
     """A new record with its header; raises FileExistsError rather than touch an old one.
 
-    The sidecar comes first: a table that is there has one, whenever the session is killed.
+    The sidecar comes first: a table that is there has one and a header, whenever it is killed.
     """
     if path.exists():
         raise FileExistsError(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     record = Record(path, columns, sidecar)
     record.save_sidecar()
-    with path.open("x", encoding="utf-8", newline="") as stream:
-        stream.write(_line(list(columns)))
-        stream.flush()
-        os.fsync(stream.fileno())
+    write_atomic(path, _line(list(columns)))
     return record
 
 

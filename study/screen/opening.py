@@ -2,10 +2,10 @@
 
 import warnings
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from stimuli.errors import InputError, InputWarning
-from study.screen.clips import ClipCache, Frames
+from study.screen.clips import ClipCache
 from study.screen.lost import tell_when_lost
 from study.screen.refresh import notes_on
 from study.screen.window import Look, WindowStage
@@ -21,20 +21,22 @@ def open_window(
     request: Request, plan: Plan, task: Task, manifest: "Manifest", flip_log: Path
 ) -> WindowStage:
     """The window of a session, open, its background that of the clips."""
+    from stimuli.sets.video import read_clip
+
     file = plan.protocol.file
     start, count = shown_frames(plan, manifest)
-    clips = ClipCache(lambda key: _whole(entry(manifest, key))[start : start + count])
+    clips = ClipCache(lambda key: read_clip(entry(manifest, key))[start : start + count])
     first = clips_of(plan)[0]
     corner = clips.frames([first])[first][0, 0, 0]
     look = Look(
         keys=file.keys,
-        responses=task.responses,
         gap=file.presentation.gap,
         clip_height=file.presentation.clip_height,
         fps=float(manifest.fps),
         background=(int(corner[0]), int(corner[1]), int(corner[2])),
         pace=request.pace,
         simulated=request.observer == "simulated",
+        interrupted=file.instructions.interrupted,
     )
     stage = WindowStage(look, clips, flip_log, request.screen, request.windowed)
     try:
@@ -46,16 +48,3 @@ def open_window(
         raise
     tell_when_lost(request.lost)
     return stage
-
-
-def _whole(clip: Any) -> Frames:
-    """The frames of a clip of the manifest; InputError where some are missing."""
-    from stimuli.sets.video import decode_video
-
-    frames = decode_video(clip.path)
-    if len(frames) != clip.frames:
-        raise InputError(
-            f"{clip.path}: expected {clip.frames} frames, found {len(frames)}: it was cut short.\n"
-            "Build the stimulus set again with segue render"
-        )
-    return frames

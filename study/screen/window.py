@@ -3,19 +3,22 @@
 import os
 import time
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from stimuli.errors import InputError, MachineError, UnwritableError
-from study.protocol.schema import Keys
+from study.protocol.schema import Instructions, Keys
 from study.screen.clips import ClipCache, Frames
 from study.screen.home import writable_home
 from study.screen.keyboards import open_keyboard
 from study.screen.panel import Panel
 from study.screen.refresh import Refresh, refresh_of
+from study.screen.scales import Clicks, Row, draw_scale
 from study.screen.schedule import Due, frames_late, last_refresh, schedule
-from study.session.stage import Answer, Presented, SessionLeft
+from study.session.stage import Answer, Interrupted, Presented, SessionLeft
+from study.trials.prompt import Prompt
 from study.trials.tasks import Screens
 
 _INK = (-0.85, -0.85, -0.85)
@@ -29,13 +32,13 @@ class Look:
     """How a window shows trials: keys, layout, gap (s), clip height as a share of the window."""
 
     keys: Keys
-    responses: tuple[str, str]
     gap: float
     clip_height: float
     fps: float
     background: tuple[int, int, int]
     pace: float = 1.0
     simulated: bool = False
+    interrupted: str = Instructions().interrupted
 
 
 class WindowStage:
@@ -57,6 +60,7 @@ class WindowStage:
         self._paced = not self._refresh.vsync
         self._rate = self._refresh.rate
         self._panels: dict[tuple[int, int, tuple[int, ...]], Panel] = {}
+        self._shown = False  # whether clips were, since the last question
         self._zero: float | None = None
         self._zero_wall: float | None = None
 
@@ -88,12 +92,38 @@ class WindowStage:
 
         A block comes after it, for which the keyboard's clock is measured.
         """
+        while True:
+            self._text(text)
+            self._keyboard.measure()
+            if self._look.simulated:
+                self._wait(READING_SECONDS / self._look.pace)
+                return
+            self._keyboard.listen()
+            try:
+                self._await_key({self._look.keys.go_on: "on"}, None)
+                return
+            except Interrupted:
+                self.pause()
+
+    def pause(self) -> None:
+        """Ask whether to go on; SessionLeft when the key that leaves is pressed once more."""
+        keys = self._look.keys
+        self._window.callOnFlip(self._keyboard.listen)
+        self._text(self._look.interrupted.format(go_on=keys.go_on.upper(), quit=keys.quit.upper()))
+        try:
+            self._await_key({keys.go_on: "on"}, None)
+        except Interrupted:
+            raise SessionLeft from None
+        self._keyboard.listen()
+
+    def thank(self, text: str) -> None:
+        """Show the last text until a key that goes on or leaves."""
         self._text(text)
-        self._keyboard.measure()
         if self._look.simulated:
             self._wait(READING_SECONDS / self._look.pace)
-        else:
-            self._keyboard.listen()
+            return
+        self._keyboard.listen()
+        with suppress(Interrupted):
             self._await_key({self._look.keys.go_on: "on"}, None)
 
     def flash(self, text: str) -> None:
@@ -105,29 +135,37 @@ class WindowStage:
         """Show each screen's clips in step; all are decoded before the first frame."""
         clips = self._clips.frames(key for keys in screens for key in keys)
         decoded = [[clips[key] for key in keys] for keys in screens]
-        onset = 0.0
+        onset = 0.0 if self._zero is None else time.perf_counter() - self._zero
         late: list[tuple[int, ...]] = []
         for n, frames in enumerate(decoded):
             self._text(str(n + 1) if len(decoded) > 1 else "+")
             self._wait(self._look.gap / self._look.pace)
             self._leave_on_quit()
+            self._shown = True
             start, slow = self._play(frames, f"{label} screen {n + 1}")
             onset = start if n == 0 else onset
             late.append(slow)
         return Presented(onset, None if self._look.pace > 1 else tuple(late))
 
-    def ask(self, question: str, seconds: float | None, planned: Answer | None) -> Answer:
-        """Put the question; keys count from the flip of the last frame on."""
-        self._text(question)
+    def ask(self, question: Prompt, seconds: float | None, planned: Answer | None) -> Answer:
+        """Put the question; keys count from the flip of the last frame on, else from its own."""
+        row = None
+        if question.scale is not None:
+            row = draw_scale(self._window, question.scale, tuple(question.answers))
+        if not self._shown:
+            self._window.callOnFlip(self._keyboard.listen)
+        self._text(question.text, up=0.15 if row else 0.0)
+        self._shown = False
         if planned is not None and planned.response_time is not None:
             taken = planned.response_time
             in_time = seconds is None or taken <= seconds
             self._wait((taken if in_time else seconds or 0.0) / self._look.pace)
             self._leave_on_quit()
             return planned if in_time else Answer(None, None)
-        keys = self._look.keys
-        first, second = self._look.responses
-        return self._await_key({keys.first: first, keys.second: second}, seconds)
+        if row is None:
+            return self._await_key(question.answers, seconds)
+        with Clicks(self._window) as clicks:
+            return self._await_key(question.answers, seconds, clicks, row)
 
     def picture(self) -> Any:
         """What the back buffer holds, as a PIL image; call it before a flip."""
@@ -177,7 +215,7 @@ class WindowStage:
                 self._panels[count, n, shape] = Panel(centre, (wide, tall))
         return [self._panels[count, n, shape] for n in range(count)]
 
-    def _text(self, text: str) -> None:
+    def _text(self, text: str, up: float = 0.0) -> None:
         from psychopy import visual
 
         height = self._window.size[1] / 30
@@ -189,6 +227,7 @@ class WindowStage:
             color=_INK,
             units="pix",
             alignText="center",
+            pos=(0, up * self._window.size[1]),
         ).draw()
         self._flip()
 
@@ -215,18 +254,31 @@ class WindowStage:
             self._window.winHandle.dispatch_events()
 
     def _leave_on_quit(self) -> None:
+        """Interrupted when the key that pauses or leaves was pressed."""
         if self._keyboard.pressed([self._look.keys.quit], clear=False):
-            raise SessionLeft
+            raise Interrupted
 
-    def _await_key(self, meanings: Mapping[str, str], seconds: float | None) -> Answer:
-        """The first of the keys pressed since keys count, within seconds of the last frame."""
+    def _await_key(
+        self,
+        meanings: Mapping[str, str],
+        seconds: float | None,
+        clicks: Clicks | None = None,
+        row: Row | None = None,
+    ) -> Answer:
+        """The first of the keys pressed since keys count, within seconds of the last frame.
+
+        A click on a point of `row` answers too, timed when it is seen.
+        """
         wanted = [*meanings, self._look.keys.quit]
         while seconds is None or self._keyboard.since() < seconds:
             for key in self._keyboard.pressed(wanted):
                 if key.name == self._look.keys.quit:
-                    raise SessionLeft
+                    raise Interrupted
                 if seconds is None or key.seconds <= seconds:
                     return Answer(meanings[key.name], key.seconds)
+            for place in clicks.taken() if clicks and row else ():
+                if (point := row.at(*place)) is not None:  # type: ignore[union-attr]
+                    return Answer(point, self._keyboard.since())
             time.sleep(0.002)
             self._window.winHandle.dispatch_events()
         return Answer(None, None)

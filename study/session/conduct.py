@@ -7,13 +7,13 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from stimuli.errors import InputError, InputWarning
-from study.record.table import Record, as_number, as_whole
+from study.record.table import MISSING, Record, as_number, as_whole
 from study.session.progress import Progress, advance, begin, may_void, next_trial, pause_due
-from study.session.stage import Answer, Stage
+from study.session.stage import Answer, Interrupted, Stage
 from study.session.voids import VOID, VoidRule
 from study.trials.observers import Simulated
-from study.trials.plan import Plan
-from study.trials.tasks import Screens, Task
+from study.trials.plan import Plan, examples_of
+from study.trials.tasks import Screens, Task, named_keys, welcome_of
 from study.trials.tracks import Tracks
 from study.trials.trial import ClipKey, Outcome, Trial
 
@@ -39,7 +39,6 @@ Clips = Callable[[ClipKey], ShownClip]
 class Settings:
     """How a session is shown: screen texts, answer window, what makes a trial void."""
 
-    question: str
     welcome: str
     thanks: str
     pause: str
@@ -53,17 +52,10 @@ def settings_of(plan: Plan, task: Task) -> Settings:
     """The protocol's settings, with the task's own where the protocol is silent."""
     file = plan.protocol.file
     seconds = file.presentation.answer_seconds or task.answer_seconds
-    named = {
-        "first": file.keys.first,
-        "second": file.keys.second,
-        "go_on": file.keys.go_on.upper(),
-        "seconds": seconds,
-    }
     return Settings(
-        question=file.instructions.question or task.question.format(**named),
-        welcome=file.instructions.welcome or task.welcome.format(**named),
+        welcome=welcome_of(file, task),
         thanks=file.instructions.thanks,
-        pause=file.instructions.pause or PAUSE.format(**named),
+        pause=file.instructions.pause or PAUSE.format(**named_keys(file, task)),
         answer_seconds=seconds,
         is_void=partial(VOID[file.presentation.void], file.presentation.late_frames_allowed or 0),
         feedback=file.presentation.feedback_in_practice,
@@ -99,6 +91,9 @@ def run(
     settings = settings_of(plan, task)
     earlier = record.sidecar.get("KeyTiming", [])
     stage.tell(settings.welcome)
+    if not progress.number:
+        for text, key in examples_of(plan):
+            _example(stage, text, key)
     _note_timing(record, stage, earlier)
     since_first = _since_first_flip(stage, record)
     while (step := _trial(progress, stage, settings, observer, clips, since_first)) is not None:
@@ -114,8 +109,19 @@ def run(
             stage.tell(settings.pause)
             _note_timing(record, stage, earlier)
     record.save_sidecar(Finished=True, **track_summary(progress))
-    stage.tell(settings.thanks)
+    stage.thank(settings.thanks)
     return progress
+
+
+def _example(stage: Stage, text: str, key: ClipKey) -> None:
+    """A text, then the clip that it speaks of."""
+    stage.tell(text)
+    while True:
+        try:
+            stage.present(((key,),), f"example {key.motion}")
+            return
+        except Interrupted:
+            stage.pause()
 
 
 def _trial(
@@ -136,8 +142,14 @@ def _trial(
         generator = progress.plan.generator(3, trial.number)
         planned = Answer(*observer.answer(trial.content, generator))
     screens = arrange(progress.task.screens(trial.content), settings.layout)
-    shown = stage.present(screens, f"trial {trial.number}")
-    answer = stage.ask(settings.question, settings.answer_seconds, planned)
+    question = progress.task.ask(progress.plan.protocol.file, trial.content)
+    while True:
+        try:
+            shown = stage.present(screens, f"trial {trial.number}")
+            answer = stage.ask(question, settings.answer_seconds, planned)
+            break
+        except Interrupted:
+            stage.pause()
     bad = shown.late is not None and settings.is_void(
         shown.late, [[clips(key).blend for key in keys] for keys in screens]
     )
@@ -187,7 +199,9 @@ def _warn_when_slow(record: Record) -> None:
 
 def row_of(task: Task, trial: Trial, outcome: Outcome, clips: Clips) -> dict[str, Any]:
     """A row of the record."""
-    first, second = task.clips(trial.content)
+    shown = [clips(key).hash for key in task.clips(trial.content)]
+    first, second = [*shown, None, None][:2]
+    named = task.row(trial.content, outcome)
     return {
         "trial": trial.number,
         "phase": trial.phase,
@@ -197,9 +211,12 @@ def row_of(task: Task, trial: Trial, outcome: Outcome, clips: Clips) -> dict[str
         "response_time": outcome.response_time,
         "late_frames": outcome.late_frames,
         "void": outcome.void,
-        "clip_a": clips(first).hash,
-        "clip_b": clips(second).hash,
-        **task.row(trial.content, outcome),
+        "clip_a": first,
+        "clip_b": second,
+        **{
+            key: (clips(value).hash or value.called) if isinstance(value, ClipKey) else value
+            for key, value in named.items()
+        },
     }
 
 
@@ -228,7 +245,11 @@ def replay_rows(plan: Plan, rows: Iterable[Mapping[str, str]]) -> Progress:
 
 
 def _same(expected: Mapping[str, object], found: Mapping[str, str]) -> bool:
-    return all(found[k] == ("n/a" if v is None else str(v)) for k, v in expected.items())
+    return all(
+        found[k] == (MISSING if v is None else str(v))
+        for k, v in expected.items()
+        if not isinstance(v, ClipKey)  # which the record names by its hash
+    )
 
 
 def _outcome(row: Mapping[str, str]) -> Outcome:

@@ -64,7 +64,8 @@ def _somebody(plan: Plan) -> Responder:
     task = TASKS[plan.protocol.file.task]
 
     def respond(content: object, draw: np.random.Generator) -> str:
-        ordered = sorted(task.responses, key=lambda answer: not task.correct(content, answer))
+        responses = task.ask(plan.protocol.file, content).answers.values()
+        ordered = sorted(responses, key=lambda answer: not task.correct(content, answer))
         return ordered[int(draw.random() >= SHARE_RIGHT)]
 
     return respond

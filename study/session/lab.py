@@ -1,7 +1,7 @@
 """A session with a participant: its stimuli, its record (new or resumed), its window."""
 
 import secrets
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,6 +17,7 @@ from study.record.dataset import (
     check_twin,
     enrol,
     enrolled,
+    finished_groups,
     keep_stimulus,
     prepare,
     record_path,
@@ -29,7 +30,7 @@ from study.record.table import COMMON, MISSING, Record, create
 from study.session.conduct import ShownClip, run
 from study.session.stage import Stage
 from study.trials.observers import simulated
-from study.trials.plan import Plan, make_plan
+from study.trials.plan import Plan, examples_of, make_plan
 from study.trials.tasks import TASKS, Task
 from study.trials.trial import ClipKey
 
@@ -59,6 +60,7 @@ class Request:
     screen: int = 0
     windowed: bool = False
     lost: str = ""  # what is said when the screen goes away
+    battery: Mapping[str, object] | None = None  # of which this is a part: its name, order, place
 
 
 def check(request: Request, protocol: Protocol) -> None:
@@ -121,8 +123,11 @@ def _locked(
     elif seed is None:
         seed = secrets.randbits(32)
     check_rendered(protocol, manifest, request.rehearsal)
-    plan = make_plan(protocol, references_of_manifest(protocol, manifest), seed, request.rehearsal)
+    group = int(earlier.sidecar.get("Group", 0)) if earlier else _group(request, protocol, seed)
+    lengths = references_of_manifest(protocol, manifest)
+    plan = make_plan(protocol, lengths, seed, request.rehearsal, group)
     _check_clips(plan, manifest)
+    _check_sources(plan, manifest)
     observer = simulated(plan) if request.observer == "simulated" else None
     path = earlier.path if earlier else _new_path(request, protocol)
     stage = open_stage(request, plan, task, manifest, _flip_log(request, path))
@@ -146,6 +151,15 @@ def _locked(
     return record
 
 
+def _group(request: Request, protocol: Protocol, seed: int) -> int:
+    """The group that the fewest have finished so far, of several such one by the seed."""
+    groups = TASKS[protocol.file.task].groups(protocol.file)
+    done = finished_groups(request.data, protocol.label)
+    fewest = min(done[group] for group in range(groups))
+    open_ones = [group for group in range(groups) if done[group] == fewest]
+    return open_ones[seed % len(open_ones)]
+
+
 def _new_path(request: Request, protocol: Protocol) -> Path:
     number = max(runs(request.data, request.participant, protocol.label), default=0) + 1
     return record_path(request.data, request.participant, protocol.label, number)
@@ -159,7 +173,7 @@ def _flip_log(request: Request, record: Path) -> Path:
 def _new_record(
     request: Request, plan: Plan, task: Task, manifest: "Manifest", stage: Stage, path: Path
 ) -> Record:
-    prepare(request.data)
+    prepare(request.data, plan.protocol.file.lab)
     enrol(request.data, request.participant, observer=request.observer)
     sidecar = sidecar_of(
         plan,
@@ -168,6 +182,7 @@ def _new_record(
         display=stage.display(),
         pace=request.pace,
         stimulus_set_hash=manifest.hash,
+        **({"Battery": dict(request.battery)} if request.battery else {}),
     )
     return create(path, (*COMMON, *task.columns), sidecar)
 
@@ -201,11 +216,33 @@ def _check_clips(plan: Plan, manifest: "Manifest") -> None:
             f"{names}{' and more' if len(lacking) > 4 else ''};\n"
             f"run `{again_command(plan.protocol, manifest.directory)}`"
         )
+    for clip in (entry(manifest, key) for key in clips_of(plan)):
+        wanted, found = clip.document.get("bytes"), clip.path.stat().st_size
+        if wanted not in (None, found):  # what it holds is looked at when it is decoded
+            raise InputError(
+                f"{clip.path}: expected {wanted} bytes, as the set was rendered, found {found}: it "
+                "was cut short or exchanged;\n"
+                f"run `{again_command(plan.protocol, manifest.directory)}`"
+            )
+
+
+def _check_sources(plan: Plan, manifest: "Manifest") -> None:
+    """The motions that the set was rendered from are still what their files hold."""
+    from stimuli.sets.sources import changed_files
+
+    names = {motion.name for motion in plan.motions}
+    shown = {name: told for name, told in manifest.pairings.items() if name in names}
+    if changed := changed_files(shown):
+        raise InputError(
+            f"{manifest.directory}: expected the motions that it was rendered from, found "
+            f"{', '.join(changed)} changed since;\nput the files back as they were, or run "
+            f"`{again_command(plan.protocol, manifest.directory)}`"
+        )
 
 
 def clips_of(plan: Plan) -> list[ClipKey]:
     """All clips that a session of this plan may show."""
-    keys = []
+    keys = [key for _, key in examples_of(plan)]
     for motion in plan.motions:
         keys += [ClipKey(motion.name, method=method) for method in plan.protocol.file.methods]
         if motion.reference is not None:

@@ -1,17 +1,19 @@
 """Participants without a window and without stimuli: the same session code, the same record."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from itertools import islice
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from stimuli.errors import InputError
+from stimuli.files import write_atomic
+from stimuli.processes import mapped
 from study.protocol.protocol import Protocol
 from study.record.dataset import enrol, prepare, record_path, runs
 from study.record.sidecar import sidecar_of
 from study.record.table import COMMON, create
 from study.session.conduct import ShownClip, rows_of_plan, run
-from study.session.processes import mapped
 from study.session.stage import Nowhere
 from study.trials.observers import Simulated, simulated
 from study.trials.plan import Plan, make_plan, session_seed
@@ -30,7 +32,8 @@ def unrendered(key: ClipKey) -> ShownClip:
 
 def plan_of(protocol: Protocol, references: dict[str, int], seed: int, participant: int) -> Plan:
     """The plan of the n-th simulated participant."""
-    return make_plan(protocol, references, session_seed(seed, participant))
+    group = participant % TASKS[protocol.file.task].groups(protocol.file)
+    return make_plan(protocol, references, session_seed(seed, participant), group=group)
 
 
 def rows(plan: Plan, observer: Simulated | None = None) -> Iterator[dict[str, Any]]:
@@ -48,20 +51,28 @@ def simulate(
     data: Path,
     workers: int | None = None,
     progress: Callable[[int], None] | None = None,
+    scheduler: str | None = None,
 ) -> list[Path]:
     """Simulate sessions into the data set `data`, on all cores; returns the records.
+
+    A Dask `scheduler`'s address gives the sessions to its cluster, which sends their files back.
 
     Participants are named sim001 on; numbers that already have this task are passed over. A
     person's own seed goes by the number in the name, so that sim013 is one person for one `seed`,
     however many are simulated at a time.
     """
     numbers = _free_numbers(data, protocol.label, participants)
-    prepare(data)
-    jobs = [
-        (protocol.document, references, session_seed(seed, n - 1), data, _name(n)) for n in numbers
-    ]
+    prepare(data, protocol.file.lab)
+    jobs = [(protocol.document, references, seed, data, n) for n in numbers]
     paths = []
-    for path in mapped(_one, jobs, workers, 1 + participants // WORTH_A_PROCESS):
+    most = 1 + participants // WORTH_A_PROCESS
+    done: Iterator[Path]
+    if scheduler is None:
+        done = mapped(_one, jobs, workers, most)
+    else:
+        sent = mapped(_elsewhere, jobs, workers, most, scheduler)
+        done = (_kept(data, files) for files in sent)
+    for path in done:
         paths.append(path)
         if progress:
             progress(len(paths))
@@ -89,18 +100,37 @@ def _free_numbers(data: Path, label: str, count: int) -> list[int]:
     return numbers
 
 
-def _one(job: tuple[Any, dict[str, int], int, Path, str]) -> Path:
+def _one(job: tuple[Any, dict[str, int], int, Path, int]) -> Path:
     """One session into its record; runs in a worker process."""
 
-    document, references, seed, data, name = job
-    protocol = protocol_of(document)
-    plan = make_plan(protocol, references, seed)
+    document, references, seed, data, number = job
+    protocol, name = protocol_of(document), _name(number)
+    plan = plan_of(protocol, references, seed, number - 1)
     stage = _nowhere(plan)
     task = TASKS[protocol.file.task]
     path = record_path(data, name, protocol.label, 1)
     sidecar = sidecar_of(plan, task, observer="simulated", display=stage.display())
     record = create(path, (*COMMON, *task.columns), sidecar)
     run(plan, stage, record, simulated(plan), unrendered)
+    return path
+
+
+def _elsewhere(job: tuple[Any, dict[str, int], int, Path, int]) -> list[tuple[str, bytes]]:
+    """The files of one session, the record last, from a machine without this data set."""
+    document, references, seed, _, number = job
+    with TemporaryDirectory(prefix="segue-") as folder:
+        there = Path(folder)
+        record = _one((document, references, seed, there, number))
+        files = [path for path in there.rglob("*") if path.is_file() and path != record]
+        return [(p.relative_to(there).as_posix(), p.read_bytes()) for p in (*files, record)]
+
+
+def _kept(data: Path, files: Sequence[tuple[str, bytes]]) -> Path:
+    """Write what came back from elsewhere; the record's path."""
+    path = data
+    for name, content in files:
+        path = data / name
+        write_atomic(path, content)
     return path
 
 

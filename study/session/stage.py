@@ -7,6 +7,7 @@ the keyboard, or a simulated observer whose answer is planned before the questio
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
+from study.trials.prompt import Prompt
 from study.trials.tasks import Screens
 
 
@@ -25,6 +26,10 @@ class Answer(NamedTuple):
     response_time: float | None
 
 
+class Interrupted(Exception):
+    """Somebody pressed the key that pauses or leaves; the trial on screen is shown again."""
+
+
 class SessionLeft(Exception):
     """The participant or experimenter left the session; its record stays and can be resumed."""
 
@@ -39,14 +44,23 @@ class Stage(Protocol):
     def tell(self, text: str) -> None:
         """Show a text until it is dismissed; raises SessionLeft."""
 
+    def pause(self) -> None:
+        """Ask whether to go on or to leave; raises SessionLeft when leaving is confirmed."""
+
+    def thank(self, text: str) -> None:
+        """Show the last text; whichever key is pressed, the session is over."""
+
     def flash(self, text: str) -> None:
         """Show a text for a moment."""
 
     def present(self, screens: Screens, label: str) -> Presented:
-        """Show the clips of each screen together, the screens one after the other."""
+        """Show the clips of each screen together, the screens one after the other. Or Interrupted.
 
-    def ask(self, question: str, seconds: float | None, planned: Answer | None) -> Answer:
-        """Ask; wait for a key, or for the time that the planned answer takes. Or SessionLeft."""
+        Without screens nothing is shown, and the onset is that of the question.
+        """
+
+    def ask(self, question: Prompt, seconds: float | None, planned: Answer | None) -> Answer:
+        """Ask; wait for a key, or for the time that the planned answer takes. Or Interrupted."""
 
     def first_flip(self) -> float | None:
         """Unix time of the stage's first flip; None where nothing is flipped."""
@@ -72,16 +86,22 @@ class Nowhere:
     def tell(self, text: str) -> None:
         """Nobody reads."""
 
+    def pause(self) -> None:
+        """Nobody interrupts."""
+
+    def thank(self, text: str) -> None:
+        """Nobody reads."""
+
     def flash(self, text: str) -> None:
         """Nobody reads."""
 
     def present(self, screens: Screens, label: str) -> Presented:
         """Advance the clock by the clips and the gaps between them."""
         onset = self.clock
-        self.clock += len(screens) * self.clip_seconds + (len(screens) - 1) * self.gap
+        self.clock += len(screens) * self.clip_seconds + max(len(screens) - 1, 0) * self.gap
         return Presented(onset, ())
 
-    def ask(self, question: str, seconds: float | None, planned: Answer | None) -> Answer:
+    def ask(self, question: Prompt, seconds: float | None, planned: Answer | None) -> Answer:
         """Take the planned answer, unless it comes too late."""
         if planned is None or planned.response_time is None:
             raise ValueError("a stage without a window needs a planned answer")

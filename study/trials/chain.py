@@ -81,11 +81,16 @@ def _reachable(rule: Rule, places: tuple[int, ...]) -> Sequence[Any]:
 def _solve(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
     """The left eigenvector of a stochastic matrix for eigenvalue one, as a distribution.
 
-    One balance equation follows from the others; the sum of one takes its place.
+    One balance equation follows from the others; the sum of one takes its place. Where no answer
+    leads from some states to others, as on a track of one level, any such distribution will do.
     """
     system = matrix.T - np.eye(len(matrix))
     system[-1] = 1.0
     target = np.zeros(len(matrix))
     target[-1] = 1.0
-    solution = np.clip(np.linalg.solve(system, target), 0.0, None)
+    try:
+        found = np.linalg.solve(system, target)
+    except np.linalg.LinAlgError:
+        found = np.linalg.lstsq(system, target, rcond=None)[0]
+    solution = np.clip(found, 0.0, None)
     return solution / solution.sum()

@@ -6,6 +6,7 @@ import numpy as np
 
 from stimuli.errors import InputError
 from study.protocol.protocol import Protocol
+from study.trials.trial import ClipKey
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,7 @@ class Plan:
     motions: tuple[PlannedMotion, ...]
     seed: int
     rehearsal: bool = False
+    group: int = 0  # of people, where a task gives groups different orders
 
     def generator(self, *key: int) -> np.random.Generator:
         """The generator for one purpose of this session, named by numbers."""
@@ -42,18 +44,22 @@ class Plan:
 
 
 def make_plan(
-    protocol: Protocol, references: dict[str, int], seed: int, rehearsal: bool = False
+    protocol: Protocol,
+    references: dict[str, int],
+    seed: int,
+    rehearsal: bool = False,
+    group: int = 0,
 ) -> Plan:
     """The plan of a session; `references` gives k of each motion where the task has lengths.
 
     A rehearsal takes the first motion only. Raises InputError when a length below one frame is
     asked for and the protocol does not drop such levels.
     """
-    pairs = protocol.file.stimuli.motions[: 1 if rehearsal else None]
+    pairs = protocol.file.stimuli.pairs(rehearsal)
     motions = tuple(PlannedMotion(pair.name, pair.category) for pair in pairs)
     if protocol.file.stimuli.reference is not None:
         motions = tuple(_with_levels(protocol, m, references[m.name]) for m in motions)
-    return Plan(protocol, motions, seed, rehearsal)
+    return Plan(protocol, motions, seed, rehearsal, group)
 
 
 def _with_levels(protocol: Protocol, motion: PlannedMotion, k: int) -> PlannedMotion:
@@ -68,6 +74,21 @@ def _with_levels(protocol: Protocol, motion: PlannedMotion, k: int) -> PlannedMo
         )
     kept = tuple(sorted(d for d in shorter if k - d >= 1))
     return replace(motion, reference=k, shorter=kept, longer=tuple(sorted(longer)))
+
+
+def examples_of(plan: Plan) -> list[tuple[str, ClipKey]]:
+    """What is shown before the first trial: a text, then a clip by the study's first method."""
+    file = plan.protocol.file
+    if plan.rehearsal:
+        return []
+    method = file.methods[0] if file.methods else None
+    k = file.stimuli.reference
+    length = k if method is None and isinstance(k, int) else None
+    return [
+        (pair.example, ClipKey(pair.name, method=method, length=length))
+        for pair in file.stimuli.motions
+        if pair.example
+    ]
 
 
 def session_seed(seed: int, participant: int) -> int:

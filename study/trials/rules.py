@@ -55,7 +55,7 @@ RULES: Mapping[str, Callable[..., Rule]] = {
     "levitt": rule_levitt,
     "wang": rule_wang,
     "weighted": rule_weighted,
-    "quest-plus": rule_quest,
+    "questplus": rule_quest,
 }
 
 

@@ -44,7 +44,7 @@ class StaircaseTable(TomlTable):
     stop: StopTable
 
 
-NUMBERS = ("n_down", "n_up", "down", "up", "lapse")  # which of them a rule takes is its own
+RULE_NUMBERS = ("n_down", "n_up", "down", "up", "lapse")  # which of them a rule takes is its own
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,7 @@ def start_tracks(plan: Plan, table: StaircaseTable) -> Tracks:
 
 def make_rule(table: StaircaseTable) -> Rule:
     """The rule that a protocol names, with the numbers that it gives."""
-    numbers = table.model_dump(include=set(NUMBERS), exclude_none=True)
+    numbers = table.model_dump(include=set(RULE_NUMBERS), exclude_none=True)
     return RULES[table.rule](**numbers)
 
 
@@ -122,7 +122,7 @@ def track_faults(document: Mapping[str, Any]) -> Iterator[Fault]:
     else:
         takes = inspect.signature(RULES[rule]).parameters
         for key in table:
-            if key in NUMBERS and key not in takes:
+            if key in RULE_NUMBERS and key not in takes:
                 yield Fault(("staircase", key), f"the rule {rule} takes no {key}; remove it")
     stop = table_at(document, "staircase", "stop")
     if "stop" in table and not set(stop) & {"visits", "reversals", "trials"}:

@@ -11,6 +11,11 @@ class ClipKey(NamedTuple):
     method: str | None = None
     length: int | None = None
 
+    @property
+    def called(self) -> str:
+        """The clip in words, where no set names it."""
+        return f"{self.motion}/{self.method or self.length}"
+
 
 @dataclass(frozen=True)
 class Trial:

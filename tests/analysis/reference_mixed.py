@@ -89,9 +89,12 @@ def reference(cells: Cells, people: bool, motions: bool) -> tuple[float, float]:
         theta, width = np.array([np.log(k / (n - k))]), float(np.sqrt(n / (k * (n - k))))
     if (np.abs(theta[1:]) > 0.999 * BOUND).any():
         return float("nan"), float("nan")
-    rest = max(width**2 - sum(part for part, _ in varying), 0.0)
-    whole = rest + sum(part for part, _ in varying)
-    df = whole**2 / (sum(part**2 / free for part, free in varying) + rest**2 / (n - 1))
+    effects = sum(part for part, _ in varying)
+    if effects >= 0.25 * width**2:
+        df = min(free for _, free in varying)
+    else:
+        rest = (width**2 - effects) ** 2 / (n - 1)
+        df = width**4 / (sum(part**2 / free for part, free in varying) + rest)
     return float(theta[0]), float(2 * stdtrit(np.clip(df, 1, n - 1), 0.975) * width)
 
 

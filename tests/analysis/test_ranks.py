@@ -31,7 +31,7 @@ def test_permeability_constants_of_r() -> None:
     assert found.p / 2 == pytest.approx(0.1272, abs=5e-5)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(differences=small.filter(any))
 def test_signed_rank_is_exact_with_ties(differences: list[int]) -> None:
     kept = np.array([d for d in differences if d])
@@ -41,7 +41,7 @@ def test_signed_rank_is_exact_with_ties(differences: list[int]) -> None:
     assert signed_rank(differences).p == pytest.approx(expected)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(
     first=st.lists(st.integers(1, 5), min_size=2, max_size=6),
     second=st.lists(st.integers(1, 5), min_size=2, max_size=6),

@@ -146,7 +146,7 @@ TABLE = (
 )
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(
     at=st.integers(0, len(TABLE)),
     length=st.integers(0, 12),

@@ -5,9 +5,9 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from tests.benchmarks import motion, render, statistics
+from tests.benchmarks import motion, render, sets, statistics
 
-MODULES = (motion, statistics, render)
+MODULES = (motion, statistics, render, sets)
 
 
 def main() -> int:

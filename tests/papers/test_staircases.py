@@ -89,13 +89,13 @@ def test_quest_plus_finds_the_threshold_of_a_simulated_person() -> None:
     levels = tuple(range(1, 16))
     asked = []
     for threshold in (3.0, 8.0):
-        track = start_track("t", levels, RULES["quest-plus"](), NEVER)
+        track = start_track("t", levels, RULES["questplus"](), NEVER)
         for _ in range(60):
             x = track.level / threshold
             right = 0.5 + 0.48 * (1 - np.exp(-(x**3)))
             track = answer(track, bool(generator.random() < right))
         asked.append(np.mean([level for level, _ in track.answers[20:]]))
-        replayed = start_track("t", levels, RULES["quest-plus"](), NEVER)
+        replayed = start_track("t", levels, RULES["questplus"](), NEVER)
         for _, correct in track.answers:
             replayed = answer(replayed, correct)
         assert (replayed.answers, replayed.state) == (track.answers, track.state)

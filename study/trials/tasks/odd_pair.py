@@ -8,12 +8,12 @@ import numpy as np
 from pydantic import Field
 
 from analysis.psychometric import location_for, proportion
-from study.protocol.faults import Fault, given_lengths, given_methods, table_at
+from study.protocol.faults import Fault, given_lengths, given_methods, no_conditions, table_at
 from study.protocol.schema import ObserverTable, Positive, ProtocolFile
 from study.trials.chain import stationary
 from study.trials.deck import Card, Supply, shuffled
 from study.trials.plan import Plan
-from study.trials.tasks.task import Responder, Screens, Task
+from study.trials.tasks.task import Responder, Screens, Task, alternatives
 from study.trials.tracks import StaircaseTable, make_rule, start_tracks, track_faults
 from study.trials.trial import ClipKey, Outcome
 
@@ -198,6 +198,7 @@ def settles(plan: Plan) -> list[dict[str, Any]]:
 
 def faults(document: Mapping[str, Any]) -> Iterator[Fault]:
     """What is wrong with an odd-pair protocol beyond single keys."""
+    yield from no_conditions(document)
     stimuli = table_at(document, "stimuli")
     if stimuli.get("reference") is None:
         yield Fault(("stimuli", "reference"), "expected the length k (frames or 'geodesic')")
@@ -223,14 +224,14 @@ def _file(plan: Plan) -> OddPairFile:
     return file
 
 
+_QUESTION = (
+    "Which pair held two different motions?\n\n"
+    "{first}   the first pair        {second}   the second pair"
+)
+
 TASK = Task(
     name="odd-pair",
-    responses=("1", "2"),
     layout="side-by-side",
-    question=(
-        "Which pair held two different motions?\n\n"
-        "{first}   the first pair        {second}   the second pair"
-    ),
     welcome=(
         "You will see two pairs of short animations, one pair after the other.\n"
         "In one pair the two animations are the same, in the other they differ.\n\n"
@@ -258,6 +259,7 @@ TASK = Task(
     catch=easiest,
     screens=screens,
     clips=clips,
+    ask=alternatives(_QUESTION, "1", "2"),
     correct=correct,
     row=row,
     person=person,

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from pydantic import Field
 
-from study.protocol.faults import Fault, given_lengths, given_methods, table_at
+from study.protocol.faults import Fault, given_lengths, given_methods, no_conditions, table_at
 from study.protocol.schema import ObserverTable, ProtocolFile, Share
 from study.trials.deck import Card, Supply, shuffled
 from study.trials.plan import Plan
-from study.trials.tasks.task import Responder, Screens, Task
+from study.trials.tasks.task import Responder, Screens, Task, alternatives
 from study.trials.trial import ClipKey, Outcome
 
 _TINY = 1e-12  # stands for a probability of 0 in odds
@@ -134,6 +134,7 @@ def _odds(first: float, second: float) -> float:
 
 def faults(document: Mapping[str, Any]) -> Iterator[Fault]:
     """What is wrong with a preference protocol beyond single keys."""
+    yield from no_conditions(document)
     methods = given_methods(document)
     if table_at(document, "trials").get("catch_every"):
         yield Fault(("trials", "catch_every"), "a preference study has none; remove it")
@@ -155,11 +156,11 @@ def faults(document: Mapping[str, Any]) -> Iterator[Fault]:
             yield Fault(path, message)
 
 
+_QUESTION = "Which motion was more natural?\n\n{first}   the first        {second}   the second"
+
 TASK = Task(
     name="preference",
-    responses=("first", "second"),
     layout="one-after-other",
-    question="Which motion was more natural?\n\n{first}   the first        {second}   the second",
     welcome=(
         "You will see two short animations, one after the other.\n\n"
         "Which one was more natural? Press {first} for the first, {second} for the second.\n"
@@ -181,6 +182,7 @@ TASK = Task(
     catch=None,
     screens=screens,
     clips=clips,
+    ask=alternatives(_QUESTION, "first", "second"),
     correct=correct,
     row=row,
     person=person,

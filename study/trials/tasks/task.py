@@ -10,6 +10,7 @@ from study.protocol.faults import Fault
 from study.protocol.schema import ProtocolFile
 from study.trials.deck import Card, Supply
 from study.trials.plan import Plan
+from study.trials.prompt import Prompt
 from study.trials.trial import ClipKey, Outcome
 
 Screens = tuple[tuple[ClipKey, ...], ...]
@@ -23,17 +24,17 @@ class Task:
     `file` is what a protocol of the task may say, `faults` finds what does not fit together in one.
     `start` gives the supply of main trials, `content` draws a trial for a card, `practice` and
     `catch` give cards outside the supply (None: the task has no such trials), `screens` says
-    which clips are shown together and in what order, `clips` which two the record names. `person`
-    draws a simulated participant from the protocol's table [observer]. `question` and `welcome`
-    name the keys `{first}`, `{second}` and `{go_on}`, and the `{seconds}` to answer. `analysis`
-    names the part of the report that the answers go to. `settles` says exactly where each
+    which clips are shown together and in what order (none: only the question is), `clips` which
+    ones, two at most, the record names. `ask` is the question of a trial. `person` draws a
+    simulated participant from the protocol's table [observer]. `welcome` names the
+    keys `{first}`, `{second}` and `{go_on}`, and the `{seconds}` to answer. `groups` is how many
+    groups of people there are, who are given different orders. `analysis` names the part of the
+    report that the answers go to. `settles` says exactly where each
     staircase settles on the protocol's observer (None: the task has no staircases).
     """
 
     name: str
-    responses: tuple[str, str]
     layout: str
-    question: str
     welcome: str
     columns: Mapping[str, str]
     analysis: str
@@ -44,9 +45,37 @@ class Task:
     practice: Callable[[Plan, np.random.Generator], Card]
     catch: Callable[[Plan, np.random.Generator], Card] | None
     screens: Callable[[Any], Screens]
-    clips: Callable[[Any], tuple[ClipKey, ClipKey]]
+    clips: Callable[[Any], tuple[ClipKey, ...]]
+    ask: Callable[[ProtocolFile, Any], Prompt]
     correct: Callable[[Any, str | None], bool | None]
     row: Callable[[Any, Outcome], dict[str, object]]
     person: Callable[[Plan, Any, np.random.Generator], Responder]
     answer_seconds: float | None = None
     settles: Callable[[Plan], list[dict[str, Any]]] | None = None
+    groups: Callable[[ProtocolFile], int] = lambda file: 1
+
+
+def alternatives(text: str, first: str, second: str) -> Callable[[ProtocolFile, Any], Prompt]:
+    """The question of a choice between two, by the protocol's keys, in its words or in `text`."""
+
+    def ask(file: ProtocolFile, trial: Any) -> Prompt:
+        named = {"first": file.keys.first, "second": file.keys.second}
+        said = file.instructions.question or text.format(**named)
+        return Prompt(said, {file.keys.first: first, file.keys.second: second})
+
+    return ask
+
+
+def named_keys(file: ProtocolFile, task: Task) -> dict[str, Any]:
+    """What a text may name: the keys, and the seconds to answer."""
+    return {
+        "first": file.keys.first,
+        "second": file.keys.second,
+        "go_on": file.keys.go_on.upper(),
+        "seconds": file.presentation.answer_seconds or task.answer_seconds,
+    }
+
+
+def welcome_of(file: ProtocolFile, task: Task) -> str:
+    """The text that a session begins with: the protocol's, else the task's own."""
+    return file.instructions.welcome or task.welcome.format(**named_keys(file, task))

@@ -8,7 +8,7 @@ from types import MappingProxyType
 import numpy as np
 import pytest
 
-from stimuli.collection import annotated, collected, gather
+from stimuli.collection import annotated, collected, gathered
 from stimuli.collection.annotations import Span, words_of
 from stimuli.errors import InputError
 from stimuli.motion import Library, Skeleton, load_clip, write_walker
@@ -29,7 +29,7 @@ def renamed(clip):
 
 
 def test_clips_of_one_hierarchy_are_on_one_body_and_loops_are_played_on(clips) -> None:
-    collection = gather(clips)
+    collection = gathered(clips)
     assert len(collection) == 3
     assert all(motion.skeleton is collection.skeleton for motion in collection.motions)
     for clip, motion in zip(clips, collection.motions, strict=True):
@@ -37,8 +37,8 @@ def test_clips_of_one_hierarchy_are_on_one_body_and_loops_are_played_on(clips) -
         if clip.motion.loop:
             assert len(motion) >= 2.9 * clip.motion.cycle.period
     assert collection.starts[-1] == sum(map(len, collection.motions))
-    assert gather(clips).hash == collection.hash
-    assert gather(clips[:2]).hash != collection.hash
+    assert gathered(clips).hash == collection.hash
+    assert gathered(clips[:2]).hash != collection.hash
 
 
 def test_all_that_is_wrong_with_a_collection_is_told_at_once(clips) -> None:
@@ -47,7 +47,7 @@ def test_all_that_is_wrong_with_a_collection_is_told_at_once(clips) -> None:
     roleless = replace(clips[0], motion=replace(clips[0].motion, skeleton=bare))
     short = replace(clips[1], name="short", motion=clips[1].motion[:2])
     with pytest.raises(InputError) as refused:
-        gather([roleless, renamed(clips[1]), short])
+        gathered([roleless, renamed(clips[1]), short])
     told = str(refused.value).splitlines()
     assert len(told) == 3
     assert "one hierarchy" in told[0]
@@ -56,11 +56,11 @@ def test_all_that_is_wrong_with_a_collection_is_told_at_once(clips) -> None:
     assert "overrides.toml" in told[1]
     assert "4 frames or more" in told[2]
     with pytest.raises(InputError, match="found none"):
-        gather([])
+        gathered([])
 
 
 def test_one_clip_is_a_collection_with_a_remark(clips) -> None:
-    (remark,) = gather(clips[:1]).remarks
+    (remark,) = gathered(clips[:1]).remarks
     assert "it can only be cut to itself" in remark
 
 
@@ -69,9 +69,9 @@ def test_clips_of_one_name_are_told_apart_by_their_folders(clips) -> None:
         replace(clips[0], name="walk", path=Path(f"/motions/{folder}/walk.bvh"))
         for folder in ("one", "two")
     ]
-    assert gather(twins).names == ("one/walk", "two/walk")
+    assert gathered(twins).names == ("one/walk", "two/walk")
     with pytest.raises(InputError, match="expected a clip of the collection"):
-        gather(twins).place("walk")
+        gathered(twins).place("walk")
 
 
 def test_patterns_choose_clips_of_a_library(tmp_path: Path) -> None:
@@ -115,5 +115,5 @@ def test_faults_of_a_table_are_told_at_once_each_with_its_line(clips, tmp_path: 
 def test_the_hash_is_of_the_frames(clips) -> None:
     still = replace(clips[0].motion, cycle=None)
     moved = replace(still, root=still.root + np.array([0.0, 1e-9, 0.0]))
-    one, other = (gather([replace(clips[0], motion=motion)]).hash for motion in (still, moved))
+    one, other = (gathered([replace(clips[0], motion=motion)]).hash for motion in (still, moved))
     assert one != other

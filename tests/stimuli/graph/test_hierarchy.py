@@ -103,7 +103,7 @@ def test_a_graph_comes_back_from_its_file_and_is_the_same_bytes_however_it_is_bu
     collection, graph = made
 
     def in_turn(function, shared, items):
-        return (function(shared, item) for item in items)
+        return (function(item, shared) for item in items)
 
     again = build_graph(collection, graph.tau, mapped=in_turn)
     for name, one in (("one", graph), ("two", again)):

@@ -125,7 +125,7 @@ def best_of_every_path(demands: Demands, collection, graph) -> float:
     return least
 
 
-@pytest.mark.parametrize("seed", (1, 2, 3))
+@pytest.mark.parametrize("seed", [1, 2, 3])
 def test_it_finds_the_best_of_all_paths_and_nothing_better(graphs, seed: int) -> None:
     collection, graph = graphs.toy(seed)
     demands = passed(seed, graph, collection)

@@ -179,9 +179,7 @@ def test_an_archive_that_claims_to_be_huge_is_not_unpacked(tmp_path):
         load_clip(tmp_path / "a.npz")
 
 
-@settings(
-    max_examples=200, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+@settings(max_examples=200, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.data())
 def test_a_damaged_archive_is_a_motion_or_a_refusal(written, data):
     small = {name: value[:3] if value.ndim > 1 else value for name, value in archive().items()}

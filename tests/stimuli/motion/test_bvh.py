@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from stimuli.errors import InputError
@@ -233,14 +233,14 @@ def test_a_word_is_a_number_only_in_plain_notation(word):
     assert count == (int(word) if word.isascii() and word.isdigit() else None)
 
 
-@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=150)
 @given(st.binary(max_size=400))
 def test_any_bytes_are_a_refusal(data):
     with pytest.raises(InputError):
         read_bvh(PATH, data)
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 @given(st.data())
 def test_a_damaged_file_is_a_motion_or_a_refusal(data):
     text = TWO
@@ -342,7 +342,7 @@ BARE_LETTERS = st.lists(
 )
 
 
-@settings(max_examples=1000, deadline=None)
+@settings(max_examples=1000)
 @given(st.one_of(STRANGE_WORDS, LIKELY_WORDS, BARE_LETTERS), st.sampled_from([0, 300]))
 def test_words_are_numbers_exactly_as_python_reads_them_or_a_refusal(words, plain):
     text = " ".join(words + ["1.5"] * plain)

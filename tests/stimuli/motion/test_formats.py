@@ -181,7 +181,7 @@ def test_frames_laid_out_alike_are_read_as_one_table(acclaim, change, regular):
     assert len(load_clip(acclaim().parent / "07_01.amc").motion) == 1
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 @given(st.data())
 def test_a_table_of_poses_is_what_its_lines_say(data):
     amc = AMC
@@ -222,7 +222,7 @@ def test_acclaim_and_its_bvh_conversion_are_one_motion(motions):
         assert np.abs(p[:, order] - q).max() < 1e-6
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(st.data())
 def test_damaged_acclaim_is_a_motion_or_a_refusal(tmp_path_factory, data):
     folder = tmp_path_factory.mktemp("acclaim")

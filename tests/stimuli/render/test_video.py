@@ -19,7 +19,7 @@ def noise(frames: int = 5, height: int = 48, width: int = 64, seed: int = 0) -> 
     return generator.integers(0, 256, (frames, height, width, 3), dtype=np.uint8)
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=12)
 @given(st.integers(1, 4), st.integers(17, 70), st.integers(17, 70), st.integers(0, 99))
 def test_a_master_gives_every_pixel_back(
     tmp_path_factory: pytest.TempPathFactory, frames: int, height: int, width: int, seed: int

@@ -3,6 +3,7 @@
 import hashlib
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -26,8 +27,9 @@ from stimuli.sets import (
     stale_clips,
 )
 from stimuli.sets.group import plan_group
+from stimuli.sets.masters import frames_hash
 from stimuli.sets.plan import resolve
-from stimuli.sets.video import decode_video
+from stimuli.sets.video import decode_video, read_clip
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -61,9 +63,11 @@ def test_a_set_is_built_once_and_read_back(
     assert read.size == (96, 72)
     assert read.frames == 15
     for entry in read.clips:
-        frames = decode_video(entry.path)
+        frames = read_clip(entry)
         assert frames.shape == (15, 72, 96, 3)
-        assert hashlib.sha256(frames.tobytes()).hexdigest() == entry.frames_sha256
+        assert (
+            frames_hash(hashlib.sha256(frame).digest() for frame in frames) == entry.frames_sha256
+        )
         assert entry.document["mixed"][0] <= 7 <= entry.document["mixed"][1]
     assert read.clip("walk", length=9).length == 9
     with pytest.raises(InputError, match="length 5"):
@@ -121,7 +125,7 @@ def test_damage_is_repaired_and_leftovers_are_cleared(
     short, long = before.clips[0].path, before.clips[1].path
     short.write_bytes(short.read_bytes()[:100])
     long.with_suffix(".json").unlink()
-    leftover = module_out / "clips" / ".deadbeef.abc.part.mkv"
+    leftover = module_out / "clips" / ".deadbeef.abc.part.mov"
     leftover.write_bytes(b"half")
     after = build(spec, library, module_out, workers=1)
     assert after.rendered == 2
@@ -170,7 +174,8 @@ def test_a_killed_build_goes_on_where_it_stopped(library: Library, out: Path) ->
     assert len(manifest.clips) == 12
     assert not list(out.glob("clips/.*.part*"))
     for entry in manifest.clips[::4]:
-        assert hashlib.sha256(decode_video(entry.path).tobytes()).hexdigest() == entry.frames_sha256
+        digests = (hashlib.sha256(frame).digest() for frame in read_clip(entry))
+        assert frames_hash(digests) == entry.frames_sha256
 
 
 def test_identical_clips_are_rendered_once(spec: SetSpec, library: Library, out: Path) -> None:
@@ -187,7 +192,7 @@ def test_a_failing_worker_is_told_and_leaves_no_manifest(
 ) -> None:
     (out / "clips").mkdir(parents=True)
     group = plan_group(spec, resolve(spec, library)[0], library)
-    blocked = out / "clips" / f"{group.clips[0].hash}.mkv"
+    blocked = out / "clips" / f"{group.clips[0].hash}.mov"
     blocked.mkdir()
     with pytest.raises(MachineError, match=f"{blocked.name}: expected a place for a clip"):
         build(spec, library, out, workers=1)
@@ -200,7 +205,12 @@ def test_damaged_or_absent_manifests_are_refused(out: Path) -> None:
         load_manifest(out)
     out.mkdir()
     path = out / "manifest.json"
-    for text, what in (("{", "damaged"), ("[]", "format"), ('{"format": 1}', "key")):
+    for text, what in (
+        ("{", "damaged"),
+        ("[]", "format"),
+        ('{"format": 3}', "format"),
+        ('{"format": 1}', "key"),
+    ):
         path.write_text(text)
         with pytest.raises(InputError, match=what):
             load_manifest(out)
@@ -215,11 +225,24 @@ def test_the_manifest_says_what_each_clip_is_made_of(
     assert pairing["from"]["frame"] == 12
     assert set(pairing["camera"]) >= {"position", "yaw", "elevation", "field_of_view"}
     clip = document["clips"][0]
-    assert clip["file"] == f"clips/{clip['hash']}.mkv"
+    assert clip["file"] == f"clips/{clip['hash']}.mov"
     assert clip["specification"] == "center-aligned"
     assert clip["appearance"]["body"] == "parts"
-    assert document["format"] == 1
+    assert document["format"] == 2
     shifts = {c["length"]: c["measures"]["displacement_from_reference"] for c in document["clips"]}
     assert shifts[6] == 0
     assert shifts[4] > 0
     assert all(c["measures"]["geodesic_cost"] > 0 for c in document["clips"])
+
+
+def test_every_key_of_a_manifest_is_documented(
+    spec: SetSpec, library: Library, module_out: Path
+) -> None:
+    text = (ROOT / "stimuli/sets/MANIFEST.md").read_text(encoding="utf-8")
+    told = set(re.findall(r"`(\w+)`", text))
+    document = json.loads((module_out / "manifest.json").read_text())
+    pairing, clip = document["pairings"]["walk"], document["clips"][0]
+    parts = (document, pairing, pairing["from"], pairing["camera"], pairing["body"], clip)
+    keys = {key for part in (*parts, clip["measures"]) for key in part}
+    assert keys - told == set()
+    assert f"Format\n{document['format']};" in text

@@ -52,7 +52,7 @@ def one(specification: str, reference: int, others: set[int], seconds: float = 6
     )  # fmt: skip
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(specification=specifications, k=lengths, other=lengths)
 def test_clips_of_a_group_are_the_same_up_to_the_first_blend(
     straight: Straight, specification: str, k: int, other: int
@@ -74,7 +74,7 @@ def test_clips_of_a_group_are_the_same_up_to_the_first_blend(
     np.testing.assert_allclose(reference.motion.root[0], a.root[150 - reference.at])
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(specification=specifications, k=lengths, other=lengths)
 def test_the_reference_blend_has_its_middle_at_frame_90(
     straight: Straight, specification: str, k: int, other: int

@@ -2,11 +2,15 @@
 
 import json
 import shutil
+from collections import Counter
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from stimuli.motion import Library
+from stimuli.sets import load_manifest
+from stimuli.sets.video import decode_video, read_clip
 from study.cli import main
 from study.protocol.protocol import shipped
 
@@ -48,10 +52,41 @@ def test_render_builds_a_set_once(
     shutil.rmtree(out / "strips")
 
 
+def test_what_people_look_at_lies_beside_the_masters(
+    protocol: Path, library: Library, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "set"
+    command = [
+        "render", str(protocol), "--set", "generated", "--out", str(out), "--workers", "1",
+        "--motions", str(library.directories[0]),
+    ]  # fmt: skip
+    looks = ["--web", "--glb", "--sheet"]
+    assert main([*command, *looks, "--json"]) == 0
+    told = capsys.readouterr()
+    assert json.loads(told.out)["rendered"] == 6
+    assert f"sheet: {out / 'sheet.html'} and {out / 'sheet.png'}" in told.err
+    kinds = Counter(path.suffix for path in (out / "clips").iterdir())
+    assert kinds == {".mov": 6, ".json": 6, ".mp4": 6, ".glb": 6}
+    for entry in load_manifest(out).clips:
+        master, web = read_clip(entry), decode_video(entry.path.with_suffix(".mp4"))
+        assert np.abs(master.astype(int) - web)[:, :8, :8].max() <= 1  # grey
+        apart = [np.abs(frame.astype(int) - master).mean(axis=(1, 2, 3)).argmin() for frame in web]
+        assert apart[5:10] == list(range(5, 10))
+    times = {path: path.stat().st_mtime_ns for path in (out / "clips").iterdir()}
+    assert main([*command, *looks]) == 0
+    assert {path: path.stat().st_mtime_ns for path in (out / "clips").iterdir()} == times
+    protocol.write_text(protocol.read_text().replace("width = 96", "width = 100"))
+    assert main([*command, "--prune"]) == 0
+    kinds = Counter(path.suffix for path in (out / "clips").iterdir())
+    assert kinds == {".mov": 6, ".json": 6}
+
+
 @pytest.mark.parametrize(
     ("options", "what"),
     [
         (["--workers", "0"], "--workers"),
+        (["--workers", "2", "--scheduler", "tcp://127.0.0.1:1"], "expected one of them"),
+        (["--device", "best", "--set", "generated"], "--device"),
         (["--set", "nowhere"], "nowhere"),
         (["--set", "cmu"], "07_03"),
     ],

@@ -6,6 +6,7 @@ import pytest
 
 from stimuli.errors import InputError
 from stimuli.motion import Library, write_walker
+from stimuli.sets import resolve
 from study.protocol.sets import choose_set, references, set_spec
 from study.session.lab import clips_of
 from study.trials.plan import make_plan
@@ -84,8 +85,8 @@ def test_methods_that_give_nearly_one_length_compare_nothing(library: Library) -
         methods='methods = ["geodesic", "fixed"]',
         lengths="methods_apart = 60",
     )
-    with pytest.raises(InputError, match="motion m: expected lengths at least 60 frames apart"):
-        set_spec(parse_protocol(text), None, library)
+    with pytest.raises(InputError, match="m: expected lengths at least 60 frames apart"):
+        resolve(set_spec(parse_protocol(text), None, library), library)
     assert set_spec(parse_protocol(text.replace("60", "0")), None, library).methods == (
         "geodesic",
         "fixed",
@@ -106,7 +107,6 @@ def test_a_length_below_one_frame_is_refused_or_dropped() -> None:
 def test_nothing_before_the_blend_tells_the_clips_apart(name: str, sample_motions: Path) -> None:
     import numpy as np
 
-    from stimuli.sets import resolve
     from stimuli.sets.layout import lay_out
 
     library = Library([sample_motions])

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from stimuli.errors import InputError, InputWarning
+from study.protocol.schema import Lab
 from study.record.dataset import (
     check_participant,
     check_twin,
@@ -75,7 +76,7 @@ def test_ids_are_refused_never_rewritten(name: str) -> None:
 
 
 def test_participants_keep_what_is_known_of_them(tmp_path: Path) -> None:
-    prepare(tmp_path)
+    prepare(tmp_path, Lab())
     enrol(tmp_path, "p1", age="30")
     enrol(tmp_path, "p2", observer="human")
     enrol(tmp_path, "p1", comments="fine")

@@ -21,6 +21,7 @@ from study.session.stage import Answer, Nowhere, Presented, SessionLeft
 from study.trials.deck import Card
 from study.trials.observers import simulated
 from study.trials.plan import Plan, make_plan
+from study.trials.prompt import Prompt
 from study.trials.reading import load_protocol, parse_protocol
 from study.trials.tasks import TASKS, Screens
 from study.trials.trial import ClipKey, Outcome, Trial
@@ -228,8 +229,8 @@ def test_simulated_people_prefer_as_their_protocol_says() -> None:
 
 
 def test_an_answer_that_comes_too_late_is_none() -> None:
-    assert Nowhere(1.0, 0.0).ask("?", 5.0, Answer("first", 5.1)) == (None, None)
-    assert Nowhere(1.0, 0.0).ask("?", 5.0, Answer("first", 4.9)) == ("first", 4.9)
+    assert Nowhere(1.0, 0.0).ask(Prompt("?", {}), 5.0, Answer("first", 5.1)) == (None, None)
+    assert Nowhere(1.0, 0.0).ask(Prompt("?", {}), 5.0, Answer("first", 4.9)) == ("first", 4.9)
 
 
 def test_simulated_thresholds_are_the_protocols() -> None:
@@ -294,11 +295,14 @@ def test_texts_name_the_protocols_keys_and_seconds() -> None:
         '[keys]\nfirst = "f"\nsecond = "j"\ngo_on = "return"\n[presentation]\nanswer_seconds = 8\n'
     )
     protocol = parse_protocol(PREFERENCE + own)
-    settings = settings_of(make_plan(protocol, {}, 1), TASKS["preference"])
+    task = TASKS["preference"]
+    settings = settings_of(make_plan(protocol, {}, 1), task)
+    question = task.ask(protocol.file, None)
     assert "Press f for the first, j for the second" in settings.welcome
     assert "8 seconds" in settings.welcome
     assert "Press RETURN" in settings.welcome
-    assert "f   the first        j   the second" in settings.question
+    assert "f   the first        j   the second" in question.text
+    assert question.answers == {"f": "first", "j": "second"}
     assert "Press RETURN" in settings.pause
 
 

@@ -263,11 +263,27 @@ def test_a_clip_that_was_cut_short_is_named_before_it_is_shown(
 ) -> None:
     (tmp_path / "p.toml").write_text(PROTOCOL)
     shutil.copytree(place / "stimulus-sets", tmp_path / "stimulus-sets")
-    for clip in (tmp_path / "stimulus-sets/frail/clips").glob("*.mkv"):
+    for clip in (tmp_path / "stimulus-sets/frail/clips").glob("*.mov"):
         clip.write_bytes(clip.read_bytes()[: clip.stat().st_size // 2])
     told = said(process := run(tmp_path, "short"))
     assert process.returncode == 2
-    assert ".mkv: expected" in told
+    assert ".mov: expected" in told
+    assert "cut short or exchanged" in told
+    assert "segue render" in told
+
+
+def test_another_clip_of_the_same_length_is_named_before_it_is_shown(
+    place: Path, screen: str, tmp_path: Path
+) -> None:
+    (tmp_path / "p.toml").write_text(PROTOCOL)
+    shutil.copytree(place / "stimulus-sets", tmp_path / "stimulus-sets")
+    for clip in (tmp_path / "stimulus-sets/frail/clips").glob("*.mov"):
+        content = bytearray(clip.read_bytes())
+        content[len(content) // 2] ^= 1
+        clip.write_bytes(content)
+    told = said(process := run(tmp_path, "swapped"))
+    assert process.returncode == 2
+    assert ".mov: expected the clip that the set was built with, found another file" in told
     assert "segue render" in told
 
 

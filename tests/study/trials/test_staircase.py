@@ -13,7 +13,7 @@ from study.trials.staircase import Stop, Track, answer, replay_track, start_trac
 
 NEVER = Stop((("trials", 10**9),), most=10**9)
 ANSWERS = st.lists(st.booleans(), max_size=80)
-RULE = st.sampled_from([rule() for name, rule in RULES.items() if name != "quest-plus"])
+RULE = st.sampled_from([rule() for name, rule in RULES.items() if name != "questplus"])
 LEVELS = st.lists(st.integers(1, 40), min_size=1, max_size=12, unique=True).map(sorted)
 
 
@@ -124,6 +124,13 @@ def test_fractional_steps_show_the_nearest_level() -> None:
 def test_an_exact_chain_needs_whole_steps() -> None:
     with pytest.raises(ValueError, match="finite chain"):
         stationary(rule_weighted(0.4, 1.0), np.arange(3.0), np.full(3, 0.7))
+
+
+def test_a_track_of_one_level_stays_there() -> None:
+    found = stationary(rule_wang(), np.array([4.0]), np.array([0.75]))
+    assert found.occupancy.tolist() == pytest.approx([1.0])
+    assert found.overall_correct == pytest.approx(0.75)
+    assert found.mean_reversal is None
 
 
 def test_a_track_that_nothing_ends_ends_by_itself_and_says_so() -> None:
