@@ -34,6 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Run the session; 1 when somebody left it."""
     from stimuli.errors import InputError
+    from study.cli.telling import Teller
     from study.protocol.rendered import check_rendered
     from study.protocol.sets import references_of_manifest
     from study.screen.priority import PERMIT, may_have_priority
@@ -63,14 +64,14 @@ def run(args: argparse.Namespace) -> int:
         )
     manifest = _stimuli(args, protocol)
     check_rendered(protocol, manifest, args.rehearsal)
-    _tell_before(args, protocol, references_of_manifest(protocol, manifest))
+    expected = _tell_before(args, protocol, references_of_manifest(protocol, manifest))
     if not may_have_priority():
         print(
             f"segue: note: keys are timed by the X server, to about a millisecond;\n{PERMIT}",
             file=sys.stderr,
         )
     _ask_person(args, protocol)
-    record = _conducted(args, request, protocol, manifest)
+    record = _conducted(args, request, protocol, manifest, Teller(expected))
     if record is None:
         return 1
     _ask_comments(args)
@@ -78,7 +79,9 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def _conducted(args: argparse.Namespace, request: Any, protocol: Any, manifest: Any) -> Any:
+def _conducted(
+    args: argparse.Namespace, request: Any, protocol: Any, manifest: Any, teller: Any
+) -> Any:
     """The record of a session that came to its end; None when it did not, and it is said why."""
     from stimuli.errors import UnwritableError
     from study.record.table import NotKeptError
@@ -89,7 +92,7 @@ def _conducted(args: argparse.Namespace, request: Any, protocol: Any, manifest: 
     go_on = f"go on with: {_resume_command(args)}"
     try:
         return run_session(
-            request, protocol, manifest, lambda record: _resume(args, record), open_window
+            request, protocol, manifest, lambda record: _resume(args, record), open_window, teller
         )
     except (SessionLeft, KeyboardInterrupt):
         print(f"left; {go_on}", file=sys.stderr)
@@ -103,6 +106,8 @@ def _conducted(args: argparse.Namespace, request: Any, protocol: Any, manifest: 
             f"See that there is room to write, and {go_on}",
             file=sys.stderr,
         )
+    finally:
+        teller.end()
     return None
 
 
@@ -149,8 +154,11 @@ def _full_set(protocol: Any) -> Any:
     return manifest if all(clip.path.is_file() for clip in shown) else None
 
 
-def _tell_before(args: argparse.Namespace, protocol: Any, references: dict[str, int]) -> None:
-    """How long it will take, and that it is one run more of somebody who has finished one."""
+def _tell_before(args: argparse.Namespace, protocol: Any, references: dict[str, int]) -> int:
+    """How long it will take, and that it is one run more of somebody who has finished one.
+
+    Returns about how many trials there will be.
+    """
     from study.record.dataset import finished_runs, runs, unfinished
     from study.session.duration import session_duration
 
@@ -168,6 +176,7 @@ def _tell_before(args: argparse.Namespace, protocol: Any, references: dict[str, 
         )
     duration = session_duration(protocol, references, args.rehearsal)
     print(duration.told(args.pace), file=sys.stderr)
+    return duration.trials
 
 
 def _lost(args: argparse.Namespace) -> str:

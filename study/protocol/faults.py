@@ -186,6 +186,14 @@ def no_conditions(document: Mapping[str, Any]) -> Iterator[Fault]:
                 yield Fault(("stimuli", "motions", n, key), "only ratings have it; remove it")
 
 
+def no_right_answers(document: Mapping[str, Any]) -> Iterator[Fault]:
+    """Faults of a study whose answers are neither right nor wrong."""
+    trials = table_at(document, "trials")
+    for key in ("catch_every", "practice_criterion", "practice_most"):
+        if trials.get(key):
+            yield Fault(("trials", key), "no answer of this task is right or wrong; remove it")
+
+
 def _lengths(document: Mapping[str, Any]) -> Iterator[Fault]:
     stimuli = table_at(document, "stimuli")
     reference = stimuli.get("reference")
@@ -243,6 +251,8 @@ def _keys(document: Mapping[str, Any]) -> Iterator[Fault]:
     """A key is one that there is, and has one meaning."""
     given = table_at(document, "keys")
     meanings = {**Keys().model_dump(), **given}
+    if not table_at(document, "presentation").get("replays"):
+        meanings.pop("again")
     for name, key in given.items():
         if isinstance(key, str) and key not in KEY_NAMES:
             yield Fault(("keys", name), _no_key(key))

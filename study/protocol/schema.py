@@ -108,6 +108,7 @@ class Presentation(TomlTable):
     late_frames_allowed: Annotated[int, Field(ge=0)] | None = None
     slow_screen_allowed: bool = False
     feedback_in_practice: bool = True
+    replays: Annotated[int, Field(ge=0, le=20)] = 0
 
 
 class Keys(TomlTable):
@@ -117,19 +118,26 @@ class Keys(TomlTable):
     first: str = "1"
     second: str = "2"
     go_on: str = "space"
+    again: str = "r"
     quit: str = "escape"
 
 
 class Instructions(TomlTable):
-    """What a participant reads; a blank text takes the task's own."""
+    """What a participant reads; a blank text takes the task's own.
 
+    Consent comes first, then the welcome and further pages; the debriefing comes at the end.
+    """
+
+    consent: str = ""
     welcome: str = ""
+    pages: tuple[str, ...] = ()
     question: str = ""
     pause: str = ""
     interrupted: str = (
         "Paused.\n\nPress {go_on} to go on; what was on the screen is shown again.\n"
         "Press {quit} once more to leave. All answers so far are kept."
     )
+    debriefing: str = ""
     thanks: str = "Thank you. The session is over."
 
 
@@ -144,10 +152,16 @@ class Lab(TomlTable):
 
 
 class Trials(TomlTable):
-    """Trials beside or instead of tracks."""
+    """Trials beside or instead of tracks.
+
+    Practice goes on after its number of trials until the share `practice_criterion` of the last so
+    many was right, at most to `practice_most`.
+    """
 
     repeats: Count = 1
     practice: Annotated[int, Field(ge=0)] = 0
+    practice_criterion: Share | None = None
+    practice_most: Count | None = None
     catch_every: Annotated[int, Field(ge=0)] = 0
     break_every: Annotated[int, Field(ge=0)] = 0
     first: Literal["balanced", "random"] = "balanced"

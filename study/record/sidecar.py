@@ -8,7 +8,7 @@ from typing import Any
 from study.protocol.schema import ProtocolFile
 from study.record.table import COMMON, FORMATS, MISSING
 from study.trials.plan import Plan
-from study.trials.tasks import Task, welcome_of
+from study.trials.tasks import Task, pages_of
 
 VERSIONS_OF = ("segue", "psychopy", "numpy", "scipy", "av", "psychtoolbox", "pyglet", "pyrender2")
 
@@ -50,7 +50,7 @@ def _told(file: ProtocolFile, task: Task) -> dict[str, str]:
     """What BIDS recommends to say of a task and its place, as far as the protocol says it."""
     lab = file.lab
     found = {
-        "Instructions": welcome_of(file, task),
+        "Instructions": "\n\n".join(pages_of(file, task)),
         "InstitutionName": lab.institution,
         "InstitutionalDepartmentName": lab.department,
         "InstitutionAddress": lab.address,

@@ -27,6 +27,7 @@ COMMON: Mapping[str, str] = {
     "response_time": "seconds from the flip of the trial's last frame to the key",
     "late_frames": "frames shown more than half a screen refresh after they were due",
     "void": "1 when the trial was shown too late to count, else 0",
+    "replays": "how often the trial was shown again at the participant's wish",
     "clip_a": "hash of the first clip named by the task",
     "clip_b": "hash of the second clip named by the task",
 }

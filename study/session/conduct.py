@@ -2,18 +2,18 @@
 
 import warnings
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
-from functools import partial
-from typing import Any, NamedTuple
+from datetime import UTC, datetime
+from typing import Any
 
 from stimuli.errors import InputError, InputWarning
 from study.record.table import MISSING, Record, as_number, as_whole
-from study.session.progress import Progress, advance, begin, may_void, next_trial, pause_due
-from study.session.stage import Answer, Interrupted, Stage
-from study.session.voids import VOID, VoidRule
+from study.session.progress import Progress, advance, begin, next_trial, pause_due
+from study.session.screening import catch_summary, practice_summary
+from study.session.showing import Clips, Settings, settings_of, show_example, show_trial
+from study.session.stage import Stage
 from study.trials.observers import Simulated
 from study.trials.plan import Plan, examples_of
-from study.trials.tasks import Screens, Task, named_keys, welcome_of
+from study.trials.tasks import Task
 from study.trials.tracks import Tracks
 from study.trials.trial import ClipKey, Outcome, Trial
 
@@ -21,46 +21,7 @@ TOO_SLOW = (
     "this machine is too slow: trials are shown late, and no more of them are asked again; "
     "close other programs, or render smaller clips"
 )
-PAUSE = "Take a short break. Press {go_on} to go on."
 CORRECT, WRONG = "right", "not this time"
-
-
-class ShownClip(NamedTuple):
-    """A clip as it is shown: the hash that names it, the first and last frame of its blend."""
-
-    hash: str | None = None
-    blend: tuple[int, int] | None = None
-
-
-Clips = Callable[[ClipKey], ShownClip]
-
-
-@dataclass(frozen=True)
-class Settings:
-    """How a session is shown: screen texts, answer window, what makes a trial void."""
-
-    welcome: str
-    thanks: str
-    pause: str
-    answer_seconds: float | None
-    is_void: VoidRule
-    feedback: bool
-    layout: str | None
-
-
-def settings_of(plan: Plan, task: Task) -> Settings:
-    """The protocol's settings, with the task's own where the protocol is silent."""
-    file = plan.protocol.file
-    seconds = file.presentation.answer_seconds or task.answer_seconds
-    return Settings(
-        welcome=welcome_of(file, task),
-        thanks=file.instructions.thanks,
-        pause=file.instructions.pause or PAUSE.format(**named_keys(file, task)),
-        answer_seconds=seconds,
-        is_void=partial(VOID[file.presentation.void], file.presentation.late_frames_allowed or 0),
-        feedback=file.presentation.feedback_in_practice,
-        layout=None if file.presentation.layout == task.layout else file.presentation.layout,
-    )
 
 
 def rows_of_plan(
@@ -69,7 +30,7 @@ def rows_of_plan(
     """A whole session of a simulated observer, trial by trial, without a record."""
     progress = begin(plan)
     settings = settings_of(plan, progress.task)
-    while (step := _trial(progress, stage, settings, observer, clips)) is not None:
+    while (step := show_trial(progress, stage, settings, observer, clips)) is not None:
         trial, outcome, progress, _ = step
         yield trial, row_of(progress.task, trial, outcome, clips)
 
@@ -80,26 +41,27 @@ def run(
     record: Record,
     observer: Simulated | None,
     clips: Clips,
+    told: Callable[[Trial, Outcome], None] = lambda trial, outcome: None,
 ) -> Progress:
     """Run or go on with a session; every answer is on the disk before the next trial starts.
 
-    Without an observer the stage's keyboard answers. Raises SessionLeft when somebody leaves; the
-    record then holds all trials so far and is not finished.
+    Without an observer the stage's keyboard answers. `told` hears of each trial. Raises SessionLeft
+    when somebody leaves; the record then holds all trials so far and is not finished.
     """
     progress = replay_rows(plan, record.rows())
     task = progress.task
     settings = settings_of(plan, task)
     earlier = record.sidecar.get("KeyTiming", [])
-    stage.tell(settings.welcome)
-    if not progress.number:
-        for text, key in examples_of(plan):
-            _example(stage, text, key)
+    _begin(plan, stage, record, settings, begun=bool(progress.number))
     _note_timing(record, stage, earlier)
     since_first = _since_first_flip(stage, record)
-    while (step := _trial(progress, stage, settings, observer, clips, since_first)) is not None:
+    while (step := show_trial(progress, stage, settings, observer, clips, since_first)) is not None:
         before = progress
         trial, outcome, progress, bad = step
-        record.append(row_of(task, trial, outcome, clips))
+        row = row_of(task, trial, outcome, clips)
+        # A record that an earlier version began has its columns.
+        record.append({key: value for key, value in row.items() if key in record.columns})
+        told(trial, outcome)
         if bad and trial.phase == "main" and not outcome.void:
             _warn_when_slow(record)
         if trial.phase == "practice" and settings.feedback and task.catch:
@@ -108,70 +70,27 @@ def run(
         if pause_due(before, progress) and next_trial(progress) is not None:
             stage.tell(settings.pause)
             _note_timing(record, stage, earlier)
-    record.save_sidecar(Finished=True, **track_summary(progress))
+    record.save_sidecar(
+        Finished=True,
+        **track_summary(progress),
+        **practice_summary(progress),
+        **catch_summary(progress),
+    )
+    if settings.debriefing:
+        stage.tell(settings.debriefing)
     stage.thank(settings.thanks)
     return progress
 
 
-def _example(stage: Stage, text: str, key: ClipKey) -> None:
-    """A text, then the clip that it speaks of."""
-    stage.tell(text)
-    while True:
-        try:
-            stage.present(((key,),), f"example {key.motion}")
-            return
-        except Interrupted:
-            stage.pause()
-
-
-def _trial(
-    progress: Progress,
-    stage: Stage,
-    settings: Settings,
-    observer: Simulated | None,
-    clips: Clips,
-    since_first: float = 0.0,
-) -> tuple[Trial, Outcome, Progress, bool] | None:
-    """Show one trial and take its answer; says too whether it was shown too badly to count."""
-    drawn = next_trial(progress)
-    if drawn is None:
-        return None
-    trial, card = drawn
-    planned = None
-    if observer is not None:
-        generator = progress.plan.generator(3, trial.number)
-        planned = Answer(*observer.answer(trial.content, generator))
-    screens = arrange(progress.task.screens(trial.content), settings.layout)
-    question = progress.task.ask(progress.plan.protocol.file, trial.content)
-    while True:
-        try:
-            shown = stage.present(screens, f"trial {trial.number}")
-            answer = stage.ask(question, settings.answer_seconds, planned)
-            break
-        except Interrupted:
-            stage.pause()
-    bad = shown.late is not None and settings.is_void(
-        shown.late, [[clips(key).blend for key in keys] for keys in screens]
-    )
-    outcome = Outcome(
-        response=answer.response,
-        response_time=answer.response_time,
-        onset=shown.onset + since_first,
-        late_frames=None if shown.late is None else sum(map(len, shown.late)),
-        void=bad and may_void(progress, trial, card),
-    )
-    return trial, outcome, advance(progress, trial, card, outcome), bad
-
-
-def arrange(screens: Screens, layout: str | None) -> Screens:
-    """The task's screens, or where a protocol says so all clips together or one by one."""
-    clips = tuple(clip for screen in screens for clip in screen)
-    layouts = {
-        None: screens,
-        "side-by-side": (clips,),
-        "one-after-other": tuple((clip,) for clip in clips),
-    }
-    return layouts[layout]
+def _begin(plan: Plan, stage: Stage, record: Record, settings: Settings, begun: bool) -> None:
+    """Consent, instructions and examples; of a session that is gone on with, the last page."""
+    if settings.consent and "Consent" not in record.sidecar:
+        stage.tell(settings.consent)
+        record.save_sidecar(Consent=datetime.now(UTC).isoformat(timespec="seconds"))
+    for page in settings.pages[-1:] if begun else settings.pages:
+        stage.tell(page)
+    for text, key in () if begun else examples_of(plan):
+        show_example(stage, text, key)
 
 
 def _note_timing(record: Record, stage: Stage, earlier: list[Any]) -> None:
@@ -211,6 +130,7 @@ def row_of(task: Task, trial: Trial, outcome: Outcome, clips: Clips) -> dict[str
         "response_time": outcome.response_time,
         "late_frames": outcome.late_frames,
         "void": outcome.void,
+        "replays": outcome.replays,
         "clip_a": first,
         "clip_b": second,
         **{

@@ -27,12 +27,13 @@ from study.record.dataset import (
 )
 from study.record.sidecar import sidecar_of
 from study.record.table import COMMON, MISSING, Record, create
-from study.session.conduct import ShownClip, run
+from study.session.conduct import run
+from study.session.showing import ShownClip
 from study.session.stage import Stage
 from study.trials.observers import simulated
 from study.trials.plan import Plan, examples_of, make_plan
 from study.trials.tasks import TASKS, Task
-from study.trials.trial import ClipKey
+from study.trials.trial import ClipKey, Outcome, Trial
 
 if TYPE_CHECKING:
     from stimuli.sets import Manifest
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
 OBSERVERS = ("human", "simulated")
 
 
+Hears = Callable[[Trial, Outcome], None]
 OpenStage = Callable[["Request", Plan, Task, "Manifest", Path], Stage]
 
 
@@ -84,6 +86,7 @@ def run_session(
     manifest: "Manifest",
     resume: Callable[[Record], bool],
     open_stage: OpenStage,
+    told: Hears = lambda trial, outcome: None,
 ) -> Record:
     """Run one session and return its record; `resume` is asked about an unfinished one.
 
@@ -95,7 +98,7 @@ def run_session(
     lock_path = source_folder(request.data, request.participant) / f"{protocol.label}.lock"
     try:
         with FileLock(lock_path, timeout=0):
-            return _locked(request, protocol, manifest, resume, open_stage)
+            return _locked(request, protocol, manifest, resume, open_stage, told)
     except Timeout as error:
         raise InputError(
             f"{lock_path}: expected no other session of {request.participant} in this study, found "
@@ -109,6 +112,7 @@ def _locked(
     manifest: "Manifest",
     resume: Callable[[Record], bool],
     open_stage: OpenStage,
+    told: Hears = lambda trial, outcome: None,
 ) -> Record:
     task = TASKS[protocol.file.task]
     earlier = None
@@ -145,7 +149,7 @@ def _locked(
             mixed = clip.document.get("mixed")
             return ShownClip(clip.hash, mixed and (mixed[0] - first, mixed[1] - first))
 
-        run(plan, stage, record, observer, shown)
+        run(plan, stage, record, observer, shown, told)
     finally:
         stage.close()
     return record

@@ -17,6 +17,7 @@ from study.trials.trial import Outcome, Trial
 MOST_REPEATS = 2
 REPEATED_SHARE = 0.1
 FIRST_VOIDS = 2
+PRACTICE_BLOCKS = 3  # where a protocol has a criterion and no most
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,10 +28,11 @@ class Progress:
     task: Task
     supply: Supply
     number: int = 0
-    practised: int = 0
+    practice: tuple[bool, ...] = ()  # whether each practice trial was answered right
     answered: int = 0
     voided: int = 0
     caught: int = 0
+    caught_right: int = 0
 
 
 def begin(plan: Plan) -> Progress:
@@ -53,13 +55,31 @@ def next_trial(progress: Progress) -> tuple[Trial, Card] | None:
 
 def _draw(progress: Progress, generator: np.random.Generator) -> tuple[str, Card | None]:
     table, task = progress.plan.protocol.file.trials, progress.task
-    if progress.practised < (0 if progress.plan.rehearsal else table.practice):
+    if _practises(progress):
         return "practice", task.practice(progress.plan, generator)
     card = progress.supply.draw(generator)
     due = table.catch_every and progress.answered // table.catch_every > progress.caught
     if card is not None and task.catch and due:
         return "catch", task.catch(progress.plan, generator)
     return "main", card
+
+
+def _practises(progress: Progress) -> bool:
+    """Whether a practice trial is next: all of a block, then more until the criterion is met."""
+    table, done = progress.plan.protocol.file.trials, len(progress.practice)
+    if progress.plan.rehearsal or not table.practice:
+        return False
+    most = table.practice_most or PRACTICE_BLOCKS * table.practice
+    return done < table.practice or (done < most and not practised_enough(progress))
+
+
+def practised_enough(progress: Progress) -> bool:
+    """Whether the last block of practice was right as often as the protocol wants."""
+    table = progress.plan.protocol.file.trials
+    if table.practice_criterion is None:
+        return True
+    last = progress.practice[-table.practice :]
+    return sum(last) >= table.practice_criterion * len(last)
 
 
 def may_void(progress: Progress, trial: Trial, card: Card) -> bool:
@@ -74,14 +94,15 @@ def may_void(progress: Progress, trial: Trial, card: Card) -> bool:
 def advance(progress: Progress, trial: Trial, card: Card, outcome: Outcome) -> Progress:
     """The session after one trial."""
     after = replace(progress, number=trial.number)
+    right = after.task.correct(trial.content, outcome.response)
     if trial.phase == "practice":
-        return replace(after, practised=after.practised + 1)
+        return replace(after, practice=(*after.practice, bool(right)))
     if trial.phase == "catch":
-        return replace(after, caught=after.caught + 1)
+        caught_right = after.caught_right + bool(right)
+        return replace(after, caught=after.caught + 1, caught_right=caught_right)
     if outcome.void:
         supply = after.supply.void(card, trial.number)
         return replace(after, supply=supply, voided=after.voided + 1)
-    right = after.task.correct(trial.content, outcome.response)
     return replace(after, supply=after.supply.answered(card, right), answered=after.answered + 1)
 
 

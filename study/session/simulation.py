@@ -13,7 +13,8 @@ from study.protocol.protocol import Protocol
 from study.record.dataset import enrol, prepare, record_path, runs
 from study.record.sidecar import sidecar_of
 from study.record.table import COMMON, create
-from study.session.conduct import ShownClip, rows_of_plan, run
+from study.session.conduct import rows_of_plan, run
+from study.session.showing import ShownClip
 from study.session.stage import Nowhere
 from study.trials.observers import Simulated, simulated
 from study.trials.plan import Plan, make_plan, session_seed

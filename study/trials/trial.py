@@ -39,3 +39,4 @@ class Outcome:
     onset: float
     late_frames: int | None = 0
     void: bool = False
+    replays: int = 0

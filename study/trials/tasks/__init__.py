@@ -3,10 +3,10 @@
 from collections.abc import Mapping
 
 from study.trials.tasks import natural, odd_pair, preference, rating
-from study.trials.tasks.task import Responder, Screens, Task, named_keys, welcome_of
+from study.trials.tasks.task import Responder, Screens, Task, named_keys, pages_of
 
 TASKS: Mapping[str, Task] = {
     task.name: task for task in (odd_pair.TASK, preference.TASK, rating.TASK, natural.TASK)
 }
 
-__all__ = ["TASKS", "Responder", "Screens", "Task", "named_keys", "welcome_of"]
+__all__ = ["TASKS", "Responder", "Screens", "Task", "named_keys", "pages_of"]

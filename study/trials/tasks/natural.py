@@ -8,7 +8,14 @@ import numpy as np
 from pydantic import Field
 from scipy.special import expit, logit
 
-from study.protocol.faults import Fault, given_lengths, given_methods, no_conditions, table_at
+from study.protocol.faults import (
+    Fault,
+    given_lengths,
+    given_methods,
+    no_conditions,
+    no_right_answers,
+    table_at,
+)
 from study.protocol.schema import ObserverTable, ProtocolFile, Share
 from study.trials.deck import Card, Supply, shuffled
 from study.trials.plan import Plan
@@ -92,8 +99,7 @@ def person(plan: Plan, truth: NaturalObserver, generator: np.random.Generator) -
 def faults(document: Mapping[str, Any]) -> Iterator[Fault]:
     """What is wrong with a protocol of this task beyond single keys."""
     yield from no_conditions(document)
-    if table_at(document, "trials").get("catch_every"):
-        yield Fault(("trials", "catch_every"), "a study of naturalness has none; remove it")
+    yield from no_right_answers(document)
     by_length = given_lengths(document)
     if by_length or table_at(document, "stimuli").get("reference") is not None:
         message = "a study of naturalness shows methods; remove its lengths"

@@ -8,7 +8,14 @@ from typing import Any
 import numpy as np
 from pydantic import Field
 
-from study.protocol.faults import Fault, given_lengths, given_methods, no_conditions, table_at
+from study.protocol.faults import (
+    Fault,
+    given_lengths,
+    given_methods,
+    no_conditions,
+    no_right_answers,
+    table_at,
+)
 from study.protocol.schema import ObserverTable, ProtocolFile, Share
 from study.trials.deck import Card, Supply, shuffled
 from study.trials.plan import Plan
@@ -136,8 +143,7 @@ def faults(document: Mapping[str, Any]) -> Iterator[Fault]:
     """What is wrong with a preference protocol beyond single keys."""
     yield from no_conditions(document)
     methods = given_methods(document)
-    if table_at(document, "trials").get("catch_every"):
-        yield Fault(("trials", "catch_every"), "a preference study has none; remove it")
+    yield from no_right_answers(document)
     by_length = given_lengths(document)
     if by_length or table_at(document, "stimuli").get("reference") is not None:
         message = "a preference study compares methods; remove its lengths"

@@ -11,7 +11,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field
 
-from study.protocol.faults import Fault, given_lengths, given_methods, table_at
+from study.protocol.faults import Fault, given_lengths, given_methods, no_right_answers, table_at
 from study.protocol.schema import ObserverTable, ProtocolFile, TomlTable
 from study.trials.deck import Card, Deck, Supply
 from study.trials.plan import Plan
@@ -199,7 +199,8 @@ def person(plan: Plan, truth: RatingObserver, generator: np.random.Generator) ->
 def faults(document: Mapping[str, Any]) -> Iterator[Fault]:
     """What is wrong with a protocol of this task beyond single keys."""
     trials = table_at(document, "trials")
-    for key in ("catch_every", "practice", "repeats"):
+    yield from no_right_answers(document)
+    for key in ("practice", "repeats"):
         if trials.get(key):
             yield Fault(("trials", key), "a study of ratings has none; remove it")
     by_length = given_lengths(document)

@@ -76,6 +76,7 @@ def named_keys(file: ProtocolFile, task: Task) -> dict[str, Any]:
     }
 
 
-def welcome_of(file: ProtocolFile, task: Task) -> str:
-    """The text that a session begins with: the protocol's, else the task's own."""
-    return file.instructions.welcome or task.welcome.format(**named_keys(file, task))
+def pages_of(file: ProtocolFile, task: Task) -> tuple[str, ...]:
+    """The instructions that a session begins with: the protocol's, else the task's own."""
+    welcome = file.instructions.welcome or task.welcome.format(**named_keys(file, task))
+    return (welcome, *file.instructions.pages)

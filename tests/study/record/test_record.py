@@ -37,6 +37,7 @@ def test_a_row_is_on_the_disk_when_append_returns(tmp_path: Path) -> None:
         "response_time": "n/a",
         "late_frames": "n/a",
         "void": "0",
+        "replays": "n/a",
         "clip_a": "n/a",
         "clip_b": "n/a",
     }

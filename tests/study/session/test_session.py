@@ -13,9 +13,10 @@ from study.protocol.protocol import Protocol, shipped
 from study.record.dataset import record_path
 from study.record.sidecar import sidecar_of
 from study.record.table import COMMON, Record, create
-from study.session.conduct import ShownClip, arrange, replay_rows, rows_of_plan, run, settings_of
+from study.session.conduct import replay_rows, rows_of_plan, run
 from study.session.lab import Request, run_session
 from study.session.progress import Progress, advance, begin, next_trial
+from study.session.showing import ShownClip, arrange, settings_of
 from study.session.simulation import rows, simulate
 from study.session.stage import Answer, Nowhere, Presented, SessionLeft
 from study.trials.deck import Card
@@ -298,9 +299,9 @@ def test_texts_name_the_protocols_keys_and_seconds() -> None:
     task = TASKS["preference"]
     settings = settings_of(make_plan(protocol, {}, 1), task)
     question = task.ask(protocol.file, None)
-    assert "Press f for the first, j for the second" in settings.welcome
-    assert "8 seconds" in settings.welcome
-    assert "Press RETURN" in settings.welcome
+    assert "Press f for the first, j for the second" in settings.pages[0]
+    assert "8 seconds" in settings.pages[0]
+    assert "Press RETURN" in settings.pages[0]
     assert "f   the first        j   the second" in question.text
     assert question.answers == {"f": "first", "j": "second"}
     assert "Press RETURN" in settings.pause
