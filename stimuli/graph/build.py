@@ -1,6 +1,7 @@
 """Building a motion graph, a clip's edges and their trees at a time, here or on a cluster."""
 
 import os
+import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
@@ -142,13 +143,14 @@ def free_memory() -> int:
         lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
         told = dict(line.split(":") for line in lines)
         free.append(int(told["MemAvailable"].split()[0]) * 1024)
-    with suppress(ImportError, OSError, ValueError):
+    if sys.platform != "win32":
         import resource
 
         limit = resource.getrlimit(resource.RLIMIT_AS)[0]
-        if limit != resource.RLIM_INFINITY:
+        with suppress(OSError, ValueError):
             pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
-            free.append(limit - pages * resource.getpagesize())
+            if limit != resource.RLIM_INFINITY:
+                free.append(limit - pages * resource.getpagesize())
     return max(min(free, default=4 << 30) - (HELD_BACK << 20), 0)
 
 

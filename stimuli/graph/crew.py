@@ -52,6 +52,8 @@ class SearchCrew:
         """Climb for about `most` mutations, from where it is or from a new path."""
         from stimuli.graph.search_loop import best_of_all, climb
 
+        if not self.kept and not len(ways.reached) and self._walked(space, aim):
+            return
         if self.count == 0:
             self.count, self.score = self._begun(space, aim, ways)
             self.tried += 1
@@ -72,6 +74,19 @@ class SearchCrew:
         self.keep(space)
         if least:
             self.count = 0
+
+    def _walked(self, space: Space, aim: Aim) -> bool:
+        """Whether a random walk gives a first path, so that there is one at once."""
+        from stimuli.graph.walk_loop import random_walk
+
+        path = np.zeros_like(self.path)
+        for _ in range(SHAKES):
+            count = random_walk(space, self.random, path, 0, 0, 0, aim.frames, False)
+            self.tried += 1
+            if math.isfinite(self.take_up(space, aim, path[:count])):
+                self.count = 0
+                return True
+        return False
 
     def _begun(self, space: Space, aim: Aim, ways: PoseWays) -> tuple[int, float]:
         """A path to climb from: a kept one, shaken or grown anew in part, or a new one."""

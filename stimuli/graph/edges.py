@@ -44,7 +44,7 @@ class CutSpace:
         from stimuli.graph.edges_loop import costs_of
 
         first, stop = int(self.starts[clip]), int(self.starts[clip + 1])
-        found = [self._near(row, min(row + ROWS, stop)) for row in range(first, stop, ROWS)]
+        found = [self.near(row, min(row + ROWS, stop)) for row in range(first, stop, ROWS)]
         i, j = (np.concatenate(part) for part in zip(*found, strict=True))
         to_clip = np.searchsorted(self.starts, j, side="right").astype(np.int32) - np.int32(1)
         keep = (to_clip != clip) | (np.abs(i - j) > _APART)
@@ -57,7 +57,7 @@ class CutSpace:
         local = (j - self.starts[to_clip]).astype(np.int32)
         return Edges(to_clip, (i - first).astype(np.int32), local, cost[order])
 
-    def _near(self, first: int, stop: int) -> tuple[np.ndarray, np.ndarray]:
+    def near(self, first: int, stop: int) -> tuple[np.ndarray, np.ndarray]:
         """Pairs of frames (global) of which the first lies in these rows, that may be edges."""
         from stimuli.graph.edges_loop import below
 
