@@ -8,7 +8,7 @@ several times as fast as FFV1 (`.mkv`), which takes a quarter of the room and ch
 import io
 import os
 import tempfile
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -171,6 +171,43 @@ def _decoded(container: Any) -> Pictures:
     for count, picture in zip(range(1, told + 1), pictures, strict=False):
         frames[count - 1] = picture
     return frames[:count]
+
+
+def wanted_frames(
+    path: Path, content: bytes, wanted: Sequence[int], whole: int
+) -> Iterator[Pictures]:
+    """The frames (height, width, 3) of a clip that are wanted, in ascending order, one by one.
+
+    A master's others are never decoded. InputError where there are not `whole` frames in all, or
+    the file is no video.
+    """
+    import av
+
+    try:
+        opened: Any = av.open(io.BytesIO(content))
+        with opened as container:
+            stream = container.streams.video[0]
+            stream.codec_context.thread_count = 1
+            packets = [packet for packet in container.demux(stream) if packet.size]
+            if len(packets) != whole:
+                raise InputError(
+                    f"{path}: expected {whole} frames, found {len(packets)}: it was cut short.\n"
+                    f"{RENDER_AGAIN}"
+                )
+            if all(packet.is_keyframe for packet in packets):
+                for index in wanted:
+                    yield stream.decode(packets[index])[0].to_ndarray(format="rgb24")
+                return
+            kept = set(wanted)
+            decoded = (frame for packet in (*packets, None) for frame in stream.decode(packet))
+            for index, frame in enumerate(decoded):
+                if index in kept:
+                    yield frame.to_ndarray(format="rgb24")
+    except (av.FFmpegError, IndexError) as error:
+        raise InputError(
+            f"{path}: expected a video clip, found a file that cannot be decoded ({error}).\n"
+            f"{RENDER_AGAIN}"
+        ) from error
 
 
 Opened = Callable[[Any, Pictures, Fraction], Any]

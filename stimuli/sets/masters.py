@@ -67,24 +67,31 @@ def frames_hash(digests: Iterable[bytes]) -> str:
     return whole.hexdigest()
 
 
+def clip_content(path: Path, told: str | None) -> bytes:
+    """What the file of a clip holds, whose SHA-256 the manifest has `told` (None: it did not).
+
+    InputError where the file is damaged, or another one lies under its name.
+    """
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise InputError(
+            f"{path}: expected a clip of the set, found {error.strerror or error}.\n{RENDER_AGAIN}"
+        ) from error
+    if told is not None and hashlib.sha256(content).hexdigest() != told:
+        raise InputError(
+            f"{path}: expected the clip that the set was built with, found another file or "
+            f"a damaged one: it was exchanged, changed or cut short.\n{RENDER_AGAIN}"
+        )
+    return content
+
+
 def read_clip(entry: Any) -> Pictures:
     """(F, height, width, 3) frames of a manifest's clip, as the set was built with.
 
     InputError where the file is damaged, or another one lies under its name.
     """
-    try:
-        content = entry.path.read_bytes()
-    except OSError as error:
-        raise InputError(
-            f"{entry.path}: expected a clip of the set, found {error.strerror or error}.\n"
-            f"{RENDER_AGAIN}"
-        ) from error
-    told = entry.document.get("file_sha256")
-    if told is not None and hashlib.sha256(content).hexdigest() != told:
-        raise InputError(
-            f"{entry.path}: expected the clip that the set was built with, found another file or "
-            f"a damaged one: it was exchanged, changed or cut short.\n{RENDER_AGAIN}"
-        )
+    content = clip_content(entry.path, entry.document.get("file_sha256"))
     frames = decode_video(entry.path, content)
     if len(frames) != entry.frames:
         raise InputError(

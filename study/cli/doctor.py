@@ -25,10 +25,10 @@ print(told)
 OPENS = """
 import json
 from study.protocol.schema import Keys
-from study.screen.clips import ClipCache
+from study.screen.clips import Held
 from study.screen.window import Look, WindowStage
 look = Look(Keys(), 0.0, 0.5, 30.0, (128, 128, 128), simulated=True, pace=20.0)
-stage = WindowStage(look, ClipCache(lambda key: None), None, windowed=True)
+stage = WindowStage(look, Held({}), None, windowed=True)
 stage.tell("Segue")
 print(json.dumps(stage.display()))
 stage.close()

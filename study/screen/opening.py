@@ -5,13 +5,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stimuli.errors import InputError, InputWarning
-from study.screen.clips import ClipCache
+from study.screen.clips import ClipFile, Decoder
 from study.screen.lost import tell_when_lost
 from study.screen.refresh import notes_on
 from study.screen.window import Look, WindowStage
 from study.session.lab import Request, clips_of, entry, shown_frames
 from study.trials.plan import Plan
 from study.trials.tasks import Task
+from study.trials.trial import ClipKey
 
 if TYPE_CHECKING:
     from stimuli.sets import Manifest
@@ -21,24 +22,31 @@ def open_window(
     request: Request, plan: Plan, task: Task, manifest: "Manifest", flip_log: Path
 ) -> WindowStage:
     """The window of a session, open, its background that of the clips."""
-    from stimuli.sets.video import read_clip
-
     file = plan.protocol.file
     start, count = shown_frames(plan, manifest)
-    clips = ClipCache(lambda key: read_clip(entry(manifest, key))[start : start + count])
-    first = clips_of(plan)[0]
-    corner = clips.frames([first])[first][0, 0, 0]
+
+    def lies(key: ClipKey) -> ClipFile:
+        clip = entry(manifest, key)
+        told = clip.document.get("file_sha256")
+        return ClipFile(clip.path, told, clip.frames, start, count, *manifest.size)
+
+    corner = _corner(lies(clips_of(plan)[0]))
     look = Look(
         keys=file.keys,
         gap=file.presentation.gap,
         clip_height=file.presentation.clip_height,
         fps=float(manifest.fps),
-        background=(int(corner[0]), int(corner[1]), int(corner[2])),
+        background=corner,
         pace=request.pace,
         simulated=request.observer == "simulated",
         interrupted=file.instructions.interrupted,
     )
-    stage = WindowStage(look, clips, flip_log, request.screen, request.windowed)
+    clips = Decoder(lies)
+    try:
+        stage = WindowStage(look, clips, flip_log, request.screen, request.windowed)
+    except BaseException:
+        clips.close()
+        raise
     try:
         allowed = file.presentation.slow_screen_allowed
         for note in notes_on(stage.refresh, look.fps, allowed, look.pace):
@@ -48,3 +56,14 @@ def open_window(
         raise
     tell_when_lost(request.lost)
     return stage
+
+
+def _corner(clip: ClipFile) -> tuple[int, int, int]:
+    """The background of a clip: the corner of its first frame."""
+    from stimuli.render.video import wanted_frames
+    from stimuli.sets.masters import clip_content
+
+    content = clip_content(clip.path, clip.sha256)
+    frame = next(wanted_frames(clip.path, content, [0], clip.whole))
+    red, green, blue = (int(value) for value in frame[0, 0])
+    return red, green, blue

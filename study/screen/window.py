@@ -10,7 +10,7 @@ from typing import Any
 
 from stimuli.errors import InputError, MachineError, UnwritableError
 from study.protocol.schema import Instructions, Keys
-from study.screen.clips import ClipCache, Frames
+from study.screen.clips import ClipSource, Showable
 from study.screen.home import writable_home
 from study.screen.keyboards import open_keyboard
 from study.screen.panel import Panel
@@ -47,7 +47,7 @@ class WindowStage:
     def __init__(
         self,
         look: Look,
-        clips: ClipCache,
+        clips: ClipSource,
         flip_log: Path | None,
         screen: int = 0,
         windowed: bool = False,
@@ -132,20 +132,22 @@ class WindowStage:
         self._wait(READING_SECONDS / 2 / self._look.pace)
 
     def present(self, screens: Screens, label: str) -> Presented:
-        """Show each screen's clips in step; all are decoded before the first frame."""
-        clips = self._clips.frames(key for keys in screens for key in keys)
-        decoded = [[clips[key] for key in keys] for keys in screens]
+        """Show each screen's clips in step; they are decoded from the moment it is announced."""
+        look = self._look
         onset = 0.0 if self._zero is None else time.perf_counter() - self._zero
         late: list[tuple[int, ...]] = []
-        for n, frames in enumerate(decoded):
-            self._text(str(n + 1) if len(decoded) > 1 else "+")
-            self._wait(self._look.gap / self._look.pace)
+        for n, keys in enumerate(screens):
+            count = min(self._clips.count(key) for key in keys)
+            dues = schedule(count, look.fps, self._rate, look.pace)
+            begun = self._clips.start(keys, [due.frame for due in dues])
+            self._text(str(n + 1) if len(screens) > 1 else "+")
+            self._wait(look.gap / look.pace)
             self._leave_on_quit()
             self._shown = True
-            start, slow = self._play(frames, f"{label} screen {n + 1}")
+            start, slow = self._play([begun[key] for key in keys], dues, f"{label} screen {n + 1}")
             onset = start if n == 0 else onset
             late.append(slow)
-        return Presented(onset, None if self._look.pace > 1 else tuple(late))
+        return Presented(onset, None if look.pace > 1 else tuple(late))
 
     def ask(self, question: Prompt, seconds: float | None, planned: Answer | None) -> Answer:
         """Put the question; keys count from the flip of the last frame on, else from its own."""
@@ -175,26 +177,30 @@ class WindowStage:
         """Close the window."""
         for panel in self._panels.values():
             panel.delete()
+        self._clips.close()
         self._keyboard.close()
         self._window.close()
 
-    def _play(self, clips: Sequence[Frames], label: str) -> tuple[float, tuple[int, ...]]:
-        """Show clips of equal length together; returns the onset and which frames came late."""
-        count = min(len(frames) for frames in clips)
+    def _play(
+        self, clips: Sequence[Showable], dues: Sequence[Due], label: str
+    ) -> tuple[float, tuple[int, ...]]:
+        """Show clips together, each frame when it is due; the onset, and which came late."""
         look, size = self._look, tuple(int(v) for v in self._window.size)
-        dues = schedule(count, look.fps, self._rate, look.pace)
-        panels = self._panels_for(len(clips), clips[0].shape[1:3])
+        width, height = clips[0].size
+        panels = self._panels_for(len(clips), (height, width))
+        for clip in clips:
+            clip.ready()
         flips: list[float] = []
         for due in dues:
-            for panel, frames in zip(panels, clips, strict=True):
-                panel.draw(frames[due.frame], (size[0], size[1]))
+            for panel, clip in zip(panels, clips, strict=True):
+                panel.draw(clip.frame(due.frame), (size[0], size[1]))
             if due is dues[-1]:
                 self._leave_on_quit()
                 self._window.callOnFlip(self._keyboard.listen)
             if flips:
                 self._sleep_until(flips[0] + due.refresh / self._rate)
             flips.append(self._flip())
-        end = last_refresh(count, look.fps, self._rate, look.pace)
+        end = last_refresh(dues[-1].frame + 1, look.fps, self._rate, look.pace)
         self._sleep_until(flips[0] + end / self._rate)
         late = tuple(frames_late(dues, flips, self._rate))
         self._log(label, dues, flips)

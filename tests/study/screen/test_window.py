@@ -212,14 +212,14 @@ LEAVE = """
 import subprocess, threading, time
 import numpy as np
 from study.protocol.schema import Keys
-from study.screen.clips import ClipCache
+from study.screen.clips import Held
 from study.screen.window import Look, WindowStage
 from study.trials.prompt import Prompt
 from study.session.stage import Interrupted, SessionLeft
 from study.trials.trial import ClipKey
 frames = np.zeros((90, 60, 80, 3), np.uint8)
 look = Look(Keys(), 0.0, 0.6, 30.0, (127, 127, 127))
-stage = WindowStage(look, ClipCache(lambda key: frames), None, windowed=True)
+stage = WindowStage(look, Held({ClipKey("a"): frames}), None, windowed=True)
 def escape():
     time.sleep(1.0)
     subprocess.run(["xdotool", "keydown", "Escape"], check=True)
@@ -256,11 +256,11 @@ def test_leaving_while_a_clip_plays_is_not_lost(screen: str, keyboard: str) -> N
 TAP = """
 import subprocess, time
 from study.protocol.schema import Keys
-from study.screen.clips import ClipCache
+from study.screen.clips import Held
 from study.screen.window import Look, WindowStage
 from study.trials.prompt import Prompt
 look = Look(Keys(), 0.0, 0.6, 30.0, (127, 127, 127))
-stage = WindowStage(look, ClipCache(lambda key: None), None, windowed=True)
+stage = WindowStage(look, Held({}), None, windowed=True)
 def press(key):
     subprocess.run(["xdotool", "keydown", key], check=True)
     time.sleep(0.05)
@@ -289,11 +289,11 @@ def test_a_tap_before_the_question_is_drawn_counts(screen: str, keyboard: str) -
 HELD = """
 import subprocess, time
 from study.protocol.schema import Keys
-from study.screen.clips import ClipCache
+from study.screen.clips import Held
 from study.screen.window import Look, WindowStage
 from study.trials.prompt import Prompt
 look = Look(Keys(), 0.0, 0.6, 30.0, (127, 127, 127))
-stage = WindowStage(look, ClipCache(lambda key: None), None, windowed=True)
+stage = WindowStage(look, Held({}), None, windowed=True)
 keyboard = stage._keyboard
 stage._text("?")
 keyboard.listen()
@@ -323,13 +323,13 @@ def test_a_key_is_timed_when_it_went_down_not_when_it_was_read(screen: str, keyb
 LAYOUT = """
 import subprocess, time
 from study.protocol.schema import Keys
-from study.screen.clips import ClipCache
+from study.screen.clips import Held
 from study.screen.window import Look, WindowStage
 from study.trials.prompt import Prompt
 look = Look(Keys(), 0.0, 0.6, 30.0, (127, 127, 127))
 for layout in ("de", "fr", "ru,us", "us"):
     subprocess.run(["setxkbmap", layout], check=True)
-    stage = WindowStage(look, ClipCache(lambda key: None), None, windowed=True)
+    stage = WindowStage(look, Held({}), None, windowed=True)
     stage._text("?")
     stage._keyboard.measure()
     stage._keyboard.listen()
@@ -357,12 +357,12 @@ from Xlib import X
 from Xlib.display import Display
 from Xlib.ext import xtest
 from study.protocol.schema import Keys
-from study.screen.clips import ClipCache
+from study.screen.clips import Held
 from study.screen.window import Look, WindowStage
 from study.trials.prompt import Prompt
 subprocess.run(["setxkbmap", "gr"], check=True)
 look = Look(Keys(), 0.0, 0.6, 30.0, (127, 127, 127))
-stage = WindowStage(look, ClipCache(lambda key: None), None, windowed=True)
+stage = WindowStage(look, Held({}), None, windowed=True)
 stage._text("?")
 stage._keyboard.listen()
 stage._shown = True
@@ -410,7 +410,7 @@ import sys
 from pathlib import Path
 import numpy as np
 from study.protocol.schema import Keys
-from study.screen.clips import ClipCache
+from study.screen.clips import Held
 from study.screen.window import Look, WindowStage
 from study.trials.prompt import Prompt
 from study.trials.trial import ClipKey
@@ -420,7 +420,8 @@ frames = {
 }
 frames["a"][:, :10] = (250, 250, 0)
 look = Look(Keys(), 0.0, 0.6, 30.0, (127, 127, 127), simulated=True, pace=5.0)
-stage = WindowStage(look, ClipCache(lambda key: frames[key.motion]), None, windowed=True)
+clips = Held({ClipKey(name): clip for name, clip in frames.items()})
+stage = WindowStage(look, clips, None, windowed=True)
 pictures = []
 flip = stage._flip
 def kept():
@@ -445,3 +446,47 @@ def test_clips_lie_side_by_side_upright_on_the_background(tmp_path: Path, screen
     column = picture[:, width // 4].tolist()
     yellow, red = column.index([250, 250, 0]), column.index([200, 40, 40])
     assert yellow < red
+
+
+PAINTED = """
+import json, sys
+from pathlib import Path
+import numpy as np
+from stimuli.render import write_video
+from study.protocol.schema import Keys
+from study.screen.clips import ClipFile, Decoder
+from study.screen.window import Look, WindowStage
+from study.trials.trial import ClipKey
+A, B = ClipKey("a"), ClipKey("b")
+files = {}
+for key, first in ((A, 10), (B, 140)):
+    path = Path(sys.argv[1]) / f"{key.motion}.mov"
+    values = np.arange(first, first + 90, dtype=np.uint8)
+    write_video(path, np.broadcast_to(values[:, None, None, None], (90, 60, 80, 3)), 30.0)
+    files[key] = ClipFile(path, None, 90, 0, 90, 80, 60)
+look = Look(Keys(), 0.1, 0.6, 30.0, (127, 127, 127), simulated=True)
+stage = WindowStage(look, Decoder(files.__getitem__), None, windowed=True)
+width, height = (int(v) for v in stage._window.size)
+flip, shown = stage._flip, []
+def kept():
+    picture = np.asarray(stage.picture())
+    shown.append([int(picture[height // 2, x, 0]) for x in (width // 4, 3 * width // 4)])
+    return flip()
+stage._flip = kept
+late = [stage.present(((A, B), (B, B)), f"trial {n}").late for n in (1, 2)]
+stage.close()
+print(json.dumps({"shown": shown, "late": late}))
+"""
+
+
+def test_every_frame_of_a_clip_appears_once_and_in_order(tmp_path: Path, screen: str) -> None:
+    """Read back from frames that are painted with their number, at pace 1, in two trials."""
+    done = subprocess.run(
+        [sys.executable, "-c", PAINTED, str(tmp_path)],
+        cwd=ROOT, capture_output=True, text=True, check=True, timeout=120,
+    )  # fmt: skip
+    a, b = list(range(10, 100)), list(range(140, 230))
+    screens = [list(zip(a, b, strict=True)), list(zip(b, b, strict=True))] * 2
+    shown = [tuple(pair) for pair in json.loads(done.stdout)["shown"]]
+    announced = (127, 127)  # the background, where a screen is announced
+    assert [pair for pair in shown if pair != announced] == [p for s in screens for p in s]
