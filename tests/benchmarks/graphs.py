@@ -46,8 +46,8 @@ def rows() -> list[dict[str, Any]]:
     graph = build_graph(collection, 1.0)
     name = f"motion graph of {int(collection.starts[-1])} frames, {len(graph.cuts):,} edges"
     return [
-        row("all pairs' costs in blocks, those under a threshold picked", _pairs(collection), "s", "the product", product,
-            faster=0.5),
+        row("all pairs' costs in blocks, those under a threshold picked", _pairs(collection), "s",
+            "the product", product, faster=0.5),
         row(f"{name}: build", build, "s", "60 × the product", 60 * product, faster=1.0),
         row(f"{name}: load", _loading(graph), "s", "build", build, faster=20.0),
         *_search(collection, graph),
