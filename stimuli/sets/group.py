@@ -283,7 +283,7 @@ def _group_document(
 
 
 def _plain(report: Mapping[str, Any]) -> dict[str, Any]:
-    """What JSON can hold of a method's report: words and finite numbers, not whole curves."""
+    """What JSON can hold of a method's report: words, finite numbers, pieces; not whole curves."""
     values = {
         key: value.item() if isinstance(value, np.generic) else value
         for key, value in report.items()
@@ -291,7 +291,9 @@ def _plain(report: Mapping[str, Any]) -> dict[str, Any]:
     return {
         key: value
         for key, value in values.items()
-        if isinstance(value, bool | int | str) or (isinstance(value, float) and np.isfinite(value))
+        if isinstance(value, bool | int | str)
+        or (isinstance(value, float) and np.isfinite(value))
+        or key == "pieces"
     }
 
 

@@ -74,12 +74,14 @@ def axes(rotations: Array) -> Array:
 def joining(transition: Transition) -> dict[str, Any]:
     """The way two motions were joined and how long, alike for methods that share a way.
 
-    The whole numbers of a method's report are what else a way goes by: windows, schedules.
+    The whole numbers of a method's report are what else a way goes by: windows, schedules. The
+    pieces of a way through other motions are its clips, by name, and frames.
     """
     blend = METHODS[transition.method].blend
     way = next(name for name, method in METHODS.items() if method.blend is blend)
     chosen = {key: value for key, value in transition.report.items() if _whole(value)}
-    return {"way": way, "length": transition.frames, **chosen}
+    through = {"pieces": transition.report["pieces"]} if METHODS[way].through else {}
+    return {"way": way, "length": transition.frames, **chosen, **through}
 
 
 def same_pictures(motions: Sequence[Motion]) -> list[int]:

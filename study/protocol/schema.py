@@ -240,12 +240,23 @@ class Role(TomlTable):
     frame: Annotated[int, Field(ge=0)]
 
 
+class CollectionTable(TomlTable):
+    """Clips by patterns of their names, through which ways lead by cuts that cost less than tau."""
+
+    clips: Annotated[tuple[Annotated[str, Field(min_length=1)], ...], Field(min_length=1)]
+    tau: Positive = 1.0
+
+
 class MotionSet(BaseModel):
-    """The clips behind the roles; `about` says how their frames were chosen."""
+    """The clips behind the roles; `about` says how their frames were chosen.
+
+    `collection` is what methods that go through other motions go through.
+    """
 
     model_config = ConfigDict(extra="allow", frozen=True)
     __pydantic_extra__: dict[str, Role] = Field(init=False)
     about: str = ""
+    collection: CollectionTable | None = None
 
     @property
     def roles(self) -> dict[str, Role]:

@@ -25,7 +25,7 @@ from stimuli.render.pointlight import CONTROLS
 from stimuli.render.staging import CAMERAS
 from stimuli.sets.group import PlannedGroup, plan_groups
 from stimuli.sets.naming import RECIPE, digest
-from stimuli.transition import METHODS, SPECIFICATIONS, transition, with_room
+from stimuli.transition import PAIRWISE, SPECIFICATIONS, transition, with_room
 from study.protocol.sets import set_spec
 from study.trials.reading import load_protocol
 from tests.conftest import SHARED
@@ -48,7 +48,7 @@ def figures() -> dict[str, float]:
     b, j = with_room(walker(1), 20)
     found = {}
     for method, specification, lock in (
-        (m, s, lock) for m in METHODS for s in SPECIFICATIONS for lock in (False, True)
+        (m, s, lock) for m in PAIRWISE for s in SPECIFICATIONS for lock in (False, True)
     ):
         for smooth in (False, True):
             done = transition(a, b, i, j, method=method, specification=specification,
