@@ -32,5 +32,5 @@ def _write_figure(motion: "Motion", path: Path) -> None:
     from stimuli.render.gltf import write_glb
 
     look = Appearance()
-    body = make_body(motion, look.style)
+    body = make_body(motion, look)
     write_glb(path, body, bone_motion(body, motion), motion.fps, look.colour)
