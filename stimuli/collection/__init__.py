@@ -8,11 +8,11 @@ poses of clips that lie anywhere are compared (Arikan and Forsyth 2002, appendix
 from stimuli.collection.annotations import annotated
 from stimuli.collection.gather import Collection, gathered
 from stimuli.collection.select import collected
-from stimuli.collection.torso import Floor, floor_frames, torso_features
+from stimuli.collection.torso import FloorFrames, floor_frames, torso_features
 
 __all__ = [
     "Collection",
-    "Floor",
+    "FloorFrames",
     "annotated",
     "collected",
     "floor_frames",

@@ -14,16 +14,16 @@ from stimuli.motion.quaternions import Array
 from stimuli.motion.skeleton import Motion
 
 
-class Floor(NamedTuple):
+class FloorFrames(NamedTuple):
     """Where a body is over the floor, a row a frame: x and z in metres, heading in radians."""
 
     place: Array  # (F, 2)
     yaw: Array  # (F,)
 
 
-def floor_frames(motion: Motion) -> Floor:
+def floor_frames(motion: Motion) -> FloorFrames:
     """The torso frame of every frame of a motion, as seen from above."""
-    return Floor(motion.root[:, [0, 2]], headings(motion))
+    return FloorFrames(motion.root[:, [0, 2]], headings(motion))
 
 
 def torso_features(motion: Motion, joints: list[int]) -> tuple[Array, Array]:

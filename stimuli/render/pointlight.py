@@ -25,7 +25,7 @@ RIM = 24  # points of a disc's rim
 PAIRED = {"shoulders": "shoulder", "elbows": "elbow", "wrists": "wrist", "hips": "hip",
           "knees": "knee", "ankles": "ankle", "toes": "toe"}  # fmt: skip
 SINGLE = {"head": "head", "neck": "neck", "pelvis": "trunk0"}
-PLACES = (*SINGLE, *PAIRED)
+DOTS = (*SINGLE, *PAIRED)
 AREA = (0.25, 0.15)  # of the stature: half the width and half the depth of a body
 UNDER_JOINTS = 0.03  # of the stature, that soles are below the lowest joint
 HEAD_ABOVE = 0.06  # of the stature, that the head's dot lies above the head's joint
@@ -36,10 +36,10 @@ def dot_places(rig: Rig, places: Sequence[str]) -> list[int]:
 
     InputError for a place that is none, or no place at all.
     """
-    if unknown := [place for place in places if place not in PLACES]:
-        raise InputError(f"dots: expected places among {', '.join(PLACES)}; found {unknown[0]!r}.")
+    if unknown := [place for place in places if place not in DOTS]:
+        raise InputError(f"dots: expected places among {', '.join(DOTS)}; found {unknown[0]!r}.")
     if not places:
-        raise InputError(f"dots: expected places among {', '.join(PLACES)}; found none.")
+        raise InputError(f"dots: expected places among {', '.join(DOTS)}; found none.")
     names = [
         name
         for place in places

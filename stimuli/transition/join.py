@@ -12,7 +12,7 @@ from stimuli.transition.align import aligned, on_skeleton
 from stimuli.transition.blend import blend_linear, spliced
 from stimuli.transition.length import Length
 from stimuli.transition.route import Route, put_together
-from stimuli.transition.smooth import SPREAD, smoothed_cut
+from stimuli.transition.smooth import SPREAD_OVER, smoothed_cut
 from stimuli.transition.window import Fits, Window, longest_fitting, specified
 
 
@@ -101,7 +101,7 @@ def join_route(join: Join) -> Joined:
     motion, cuts = put_together(join.a[: join.i + 1], pieces, cutting, join.held)
     end = join.i + join.route.frames
     motion = cutting(motion, join.b, end, join.j)
-    last = min(max(end, max(cuts) + SPREAD), len(motion) - 1)
+    last = min(max(end, max(cuts) + SPREAD_OVER), len(motion) - 1)
     told = [
         {"clip": piece.clip, "from_frame": piece.first, "to_frame": piece.last}
         for piece in join.route.pieces

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from stimuli.motion.skeleton import Motion
 from stimuli.transition.footlock import lock_feet
-from stimuli.transition.smooth import SPREAD, smoothed_cut
+from stimuli.transition.smooth import SPREAD_OVER, smoothed_cut
 from stimuli.transition.window import center_aligned
 
 Cutting = Callable[[Motion, Motion, int, int], Motion]  # frame i of A met by frame j of B
@@ -61,7 +61,7 @@ def put_together(
     for piece in pieces:
         joined = cutting(motion, piece.motion, end, piece.first - 1)
         if locked:
-            window = center_aligned(end, piece.first - 1, SPREAD)
+            window = center_aligned(end, piece.first - 1, SPREAD_OVER)
             joined = lock_feet(joined, motion, piece.motion, window)
         motion, end = joined, end + len(piece)
         cuts.append(end)

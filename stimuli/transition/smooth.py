@@ -13,7 +13,7 @@ from stimuli.motion.skeleton import Motion
 from stimuli.transition.align import aligned
 from stimuli.transition.blend import spliced
 
-SPREAD = 30  # frames on either side over which a jump is spread
+SPREAD_OVER = 30  # frames on either side over which a jump is spread
 
 
 def smoothing(before: int, after: int) -> tuple[Array, Array]:
@@ -29,7 +29,7 @@ def smoothing(before: int, after: int) -> tuple[Array, Array]:
 
 
 def smoothed_cut(
-    a: Motion, b: Motion, i: int, j: int, spread: int = SPREAD, keep: int = 0
+    a: Motion, b: Motion, i: int, j: int, spread: int = SPREAD_OVER, keep: int = 0
 ) -> Motion:
     """A[..i], then B[j+1..], with B[j] where A[i] is and the jump between them spread.
 

@@ -20,7 +20,7 @@ KEPT = json.loads(recipe.KEPT.read_text(encoding="utf-8"))
 def test_the_shipped_protocols_clips_have_their_names_on_any_machine(sample_motions: Path) -> None:
     """Every set of sample motions and of generated ones; `make test-portable` has the rest."""
     found = recipe.names(captured=False)
-    assert len(found) == 10
+    assert len(found) == 11
     assert found == {key: KEPT["names"][key] for key in found}
 
 
