@@ -110,7 +110,8 @@ def spec() -> SetSpec:
     pairing = Pairing("walk", "generated-walker-0", 12, "generated-walker-1", 20)
     return SetSpec(
         "tiny", (pairing,), "center-aligned", reference=6, shorter=(2, 4), longer=(3,),
-        seconds=0.5, foot_lock=False, appearance=Appearance(width=96, height=72, style="mannequin", camera="fixed"),
+        seconds=0.5, foot_lock=False,
+        appearance=Appearance(width=96, height=72, style="mannequin", camera="fixed"),
     )  # fmt: skip
 
 
