@@ -45,7 +45,7 @@ class Cluster:
 
     def everywhere(self, function: Callable[[], object]) -> None:
         """Call a function once in every worker that is there; one may be gone by then."""
-        with suppress(OSError):  # CommClosedError, of a worker that the scheduler has not missed yet
+        with suppress(OSError):  # of a worker that the scheduler has not missed yet
             self._client.run(function, on_error="ignore")
 
     def _held(self, shared: Any) -> Any:
