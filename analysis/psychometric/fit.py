@@ -308,10 +308,12 @@ def _grid(what: Setting, centres: Array, slopes: Array, lapses: tuple[float, ...
 
 
 def _grid_values(scale: Scale, what: Setting, starts: Array, correct: Array, total: Array) -> Array:
-    """Log likelihoods (B, S) of every row at every start."""
+    """Log likelihoods (B, S) of every row at every start, in the single precision that a choice
+    among starts needs."""
     eta = starts[:, :1] + starts[:, 1:2] * scale.z
     lapse = starts[:, 2:]
     span = 1 - what.guess - lapse
     log_p = np.log(np.maximum(what.guess + span * what.function.cdf(eta), TINY))
     log_q = np.log(np.maximum(lapse + span * what.function.survival(eta), TINY))
-    return correct @ log_p.T + (total - correct) @ log_q.T
+    counted = np.concatenate([correct, total - correct], 1, dtype=np.float32)
+    return counted @ np.concatenate([log_p, log_q], 1, dtype=np.float32).T
