@@ -26,6 +26,7 @@ COMMANDS = {
     "simulate": "simulate participants without a window",
     "fit": "fit a psychometric function to a table",
     "report": "turn session records into a statistical report",
+    "anonymise": "copy a data set with new ids, without free text and times of day",
 }
 
 

@@ -235,11 +235,12 @@ def _asks(args: argparse.Namespace) -> bool:
 
 def _ask_person(args: argparse.Namespace, protocol: Any) -> None:
     """What a study asks of a person, before the session, on a terminal; blank is n/a."""
-    from study.record.dataset import QUESTIONS, enrol, prepare
+    from study.record.dataset import enrol, prepare
+    from study.record.people import QUESTIONS
 
     if _asks(args) and _place(args) == 1:
         prepare(args.data, protocol.file.lab)
-        answers = {key: input(f"{text}: ").strip() for key, text in QUESTIONS.items()}
+        answers = {key: input(f"{asked.told}: ").strip() for key, asked in QUESTIONS.items()}
         enrol(args.data, args.participant, **answers)
 
 
