@@ -8,7 +8,6 @@ import csv
 import io
 import json
 import re
-import tempfile
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
@@ -18,7 +17,8 @@ from typing import Any
 import numpy as np
 
 from stimuli.errors import InputError
-from stimuli.files import permitted, refusals_name, write_atomic
+from stimuli.files import write_atomic
+from study.record.copies import files_of, made_from
 from study.record.dataset import enrolled
 from study.record.people import PARTICIPANT_COLUMNS, QUESTIONS
 from study.record.table import COMMON, MISSING, as_number
@@ -36,7 +36,6 @@ SIDECAR = {
 TIMES = {"FirstFlip", "Consent"}  # times of day: the one is left out, of the other that it was
 WALL_TIME, SESSION_TIME = "unix_time", "session_time"  # seconds since 1970, since the first flip
 WHOLE = ("dataset_description.json", "README", "README.md", "LICENSE", "CHANGES", "stimuli/*.json")
-DERIVED = ("derivatives/*", "*.lock")  # made again from the record, or of no use without it
 _PLACED = re.compile(r"(?:sourcedata/)?sub-(?P<id>[^/_]+)/.*")
 
 
@@ -55,27 +54,13 @@ def anonymise(data: Path, out: Path, generator: np.random.Generator) -> Anonymis
     People are p001 on in an order drawn; ages, sexes and yes or no stay, other words about people
     go. Onsets and response times stay. Raises InputError where `data` is none or `out` is there.
     """
-    _check(data, out)
-    names = new_names(data, generator)
-    out.parent.mkdir(parents=True, exist_ok=True)
-    with refusals_name(out), tempfile.TemporaryDirectory(dir=out.parent, prefix=".segue-") as near:
-        made = Anonymised(Path(near) / "data", len(names))
-        made.folder.mkdir(mode=0o777)
-        for path in sorted(p for p in data.rglob("*") if p.is_file()):
-            _copy(path, path.relative_to(data).as_posix(), names, made)
+    with made_from(data, out, "--out") as folder:
+        names = new_names(data, generator)
+        made = Anonymised(folder, len(names))
+        for place in files_of(data):
+            _copy(data / place, place, names, made)
         _participants(data, names, made)
-        made.folder.chmod(permitted() | 0o111)
-        made.folder.rename(out)
     return Anonymised(out, made.people, made.left_out)
-
-
-def _check(data: Path, out: Path) -> None:
-    if not any(data.glob("sub-*")):
-        raise InputError(f"{data}: expected a data set with folders sub-*, found none")
-    if out.exists():
-        raise InputError(f"--out {out}: expected a folder that is not there yet, found one")
-    if data.resolve() in out.resolve().parents:
-        raise InputError(f"--out {out}: expected a place outside {data}, which is left as it is")
 
 
 def new_names(data: Path, generator: np.random.Generator) -> dict[str, str]:
@@ -90,8 +75,7 @@ def new_names(data: Path, generator: np.random.Generator) -> dict[str, str]:
 
 def _copy(path: Path, place: str, names: Mapping[str, str], made: Anonymised) -> None:
     """One file of the data set, as its kind is copied; or told that it is not."""
-    hidden = any(part.startswith(".") for part in place.split("/"))
-    if hidden or _is(place, ("participants.tsv", "participants.json", *DERIVED)):
+    if _is(place, ("participants.tsv", "participants.json", "derivatives/*")):  # made anew
         return
     if _is(place, WHOLE):
         told = path.read_text(encoding="utf-8")
