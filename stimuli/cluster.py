@@ -7,7 +7,7 @@ job needs travels with it, and what comes of it travels back.
 import asyncio
 import logging
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from queue import Empty, Queue
 from typing import Any
 
@@ -44,8 +44,9 @@ class Cluster:
             yield place, self._found(future)
 
     def everywhere(self, function: Callable[[], object]) -> None:
-        """Call a function once in every worker that is there."""
-        self._client.run(function)
+        """Call a function once in every worker that is there; one may be gone by then."""
+        with suppress(OSError):  # of a worker that the scheduler has not missed yet
+            self._client.run(function, on_error="ignore")
 
     def _held(self, shared: Any) -> Any:
         return self._client.scatter([shared], broadcast=True, hash=False)[0]

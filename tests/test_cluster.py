@@ -110,7 +110,8 @@ def spec() -> SetSpec:
     pairing = Pairing("walk", "generated-walker-0", 12, "generated-walker-1", 20)
     return SetSpec(
         "tiny", (pairing,), "center-aligned", reference=6, shorter=(2, 4), longer=(3,),
-        seconds=0.5, foot_lock=False, appearance=Appearance(width=96, height=72, body="parts"),
+        seconds=0.5, foot_lock=False,
+        appearance=Appearance(width=96, height=72, style="mannequin", camera="fixed"),
     )  # fmt: skip
 
 
@@ -206,7 +207,9 @@ def test_a_scheduler_that_nobody_answers_is_a_line(
 ) -> None:
     monkeypatch.setattr("stimuli.cluster.PATIENCE", 0.3)
     monkeypatch.chdir(tmp_path)
-    Path("spread.toml").write_text(PROTOCOL + '[appearance]\nwidth = 64\nbody = "parts"\n')
+    Path("spread.toml").write_text(
+        PROTOCOL + '[appearance]\nwidth = 64\nstyle = "mannequin"\ncamera = "fixed"\n'
+    )
     words = [command, "spread.toml", "--motions", str(library.directories[0])]
     more = {"simulate": ["--participants", "1"]}.get(command, [])
     assert main([*words, *more, "--scheduler", address]) == 2

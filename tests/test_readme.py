@@ -45,7 +45,10 @@ ADDED = {
     "segue blend A B --method cut": ["--out", "cut.bvh"],
 }
 ALONE = ("doctor", "motions")  # what else is printed without arguments is a name in a sentence
-LEFT_OUT = {"segue run jnd-center …", "segue run PROTOCOL"}  # wants a set that takes minutes
+LEFT_OUT = {
+    "segue run jnd-center …", "segue run PROTOCOL",  # want a set that takes minutes
+    "segue graph build --scheduler ADDRESS",
+}  # fmt: skip
 
 
 def printed() -> list[str]:
@@ -72,6 +75,9 @@ def place(tmp_path_factory: pytest.TempPathFactory, sample_motions: Path) -> Pat
     assert observer is not None
     text = "\n".join(line[4:] for line in (block[1] + observer[1]).splitlines())
     (folder / "mine.toml").write_text(text)
+    wanted = re.search(r"what a motion is to do as `walk.toml`:\n\n((?:    .*\n)+)", README)
+    assert wanted is not None
+    (folder / "walk.toml").write_text("".join(line[4:] + "\n" for line in wanted[1].splitlines()))
     (folder / "labels.csv").write_text(LABELS)
     (folder / "table.csv").write_text(TABLE)
     (folder / "old.csv").write_text(OLD)

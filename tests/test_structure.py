@@ -14,10 +14,19 @@ ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = ("stimuli", "study", "analysis")
 # From the ground up: a module imports from its own floor and those below it.
 FLOORS = (
-    ("stimuli.cluster", "stimuli.compiled", "stimuli.errors", "stimuli.files", "stimuli.ties"),
+    (
+        "stimuli.cluster",
+        "stimuli.compiled",
+        "stimuli.errors",
+        "stimuli.files",
+        "stimuli.places",
+        "stimuli.ties",
+    ),
     ("stimuli.processes",),
     ("stimuli.motion",),
     ("stimuli.transition",),
+    ("stimuli.collection",),
+    ("stimuli.graph",),
     ("stimuli.render",),
     ("stimuli.sets",),
     ("stimuli.sheet",),

@@ -2,9 +2,11 @@
 
 Built once for a skeleton: the reference pose (`reference`), its landmarks (`landmarks`), the parts
 of a body between them (`parts`, `shapes`), a skin over them (`bodies`: separate parts lofted one
-by one, or one closed surface of their distance field) and the bones that carry it (`rig`). Drawn
-for each frame: the skin, its light and one picture (`scene`, the only module that uses OpenGL,
-which is imported when the first picture is drawn). `video` writes and reads clips.
+by one, or one closed surface of their distance field; sticks, dots) and the bones that carry it
+(`rig`). `staging` chooses one camera for the clips of a group from what the figure does in them.
+Drawn for each frame: the ground and the skin in one picture (`scene`, with `context`, `programs`,
+`target` and `floor` for what OpenGL needs, which is imported when the first picture is drawn).
+`video` writes and reads clips.
 """
 
 from stimuli.render.appearance import Appearance

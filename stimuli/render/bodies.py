@@ -1,72 +1,134 @@
-"""Bodies built once for a skeleton: a table of ways to give it a skin."""
+"""Bodies built once for a skeleton: a table of styles, each a way to give it a skin."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stimuli.errors import InputError
 from stimuli.motion.kinematics import forward
+from stimuli.motion.quaternions import Array
 from stimuli.motion.skeleton import Motion
-from stimuli.render.field import body_distance, closed_mesh
+from stimuli.render import field
+from stimuli.render.appearance import Appearance
+from stimuli.render.feet import limited_roll
+from stimuli.render.field import body_distance, closed_mesh, outward
 from stimuli.render.landmarks import Landmarks, landmarks
 from stimuli.render.loft import loft
 from stimuli.render.mesh import neighbour_mean, vertex_normals
 from stimuli.render.parts import body_parts
+from stimuli.render.pointlight import dot_bones, dot_places, dot_skin
 from stimuli.render.reference import reference_pose
 from stimuli.render.rig import Rig, dual_quaternions, make_rig
 from stimuli.render.shapes import Floats, Part, bone_weights, distance, place_on_axis
+from stimuli.render.skin import Skin
+from stimuli.render.sticks import stick_parts
 
 SOFT = 0.010
-HEAT_ROUNDS = 6
+# Square metres of heat flow over the skin, so that bends are even, and light does not tell where
+# one part's bend goes over into another's; as many steps as that takes on the mesh.
+BENDS, LIGHT = 0.0019, 0.0006
 OCCLUSION = (0.03, 0.06, 0.11, 0.18)
-
-
-@dataclass(frozen=True, eq=False)
-class Skin:
-    """A closed surface in the reference pose, and which bones carry each of its points."""
-
-    points: NDArray[np.float32]  # (V, 3) metres
-    normals: NDArray[np.float32]  # (V, 3)
-    faces: NDArray[np.int32]  # (T, 3)
-    weights: NDArray[np.float32]  # (V, B)
-    openness: NDArray[np.float32]  # (V,) 1 in the open, towards 0 in folds
+CROWN = 0.054  # of the stature, from the middle of the skull to its top
 
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """A skin and the bones that carry it."""
+    """A skin, the bones that carry it, and what the look has them do."""
 
-    style: str
+    look: Appearance
     skin: Skin
     rig: Rig
+    stature: float  # metres, from the soles to the crown of a standing figure
+    casters: Floats  # (C, 3) points of the body in the reference pose, that shade a ground
+    casting: Floats  # (C, B) which of the rig's bones carry them
 
 
-def make_body(motion: Motion, style: str = "figure") -> Body:
+def make_body(motion: Motion, look: Appearance | None = None) -> Body:
     """A body for the skeleton of `motion`, whose frames may serve to find a stance.
 
     InputError for a style that is not in the table, or a skeleton without the roles it takes.
     """
-    if style not in BODIES:
-        raise InputError(f"body: expected one of {', '.join(BODIES)}, found {style!r}.")
+    look = look or Appearance()
+    if look.style not in STYLES:
+        raise InputError(f"style: expected one of {', '.join(STYLES)}, found {look.style!r}.")
     reference = reference_pose(motion)
     marks = landmarks(reference)
     rig = make_rig(reference, marks)
-    return Body(style, BODIES[style](rig, marks), rig)
+    tall = float(marks.points["skull"][1] + CROWN * marks.stature - marks.sole)
+    casters, casting = _casters(body_parts(marks), rig)
+    return Body(look, STYLES[look.style](rig, marks, look), rig, tall, casters, casting)
 
 
 def bone_motion(body: Body, motion: Motion) -> NDArray[np.float32]:
-    """(F, B, 8) how the body's bones move, as dual quaternions from the reference pose."""
+    """(F, B, 8) how what carries the skin moves, as dual quaternions from the reference pose.
+
+    These are the bones of the rig, or those of a point-light walker's dots, one each.
+    """
+    bones = rig_motion(body, motion)
+    if body.skin.lit:
+        return bones.astype(np.float32)
+    return dot_bones(body.rig, body.look, body.stature, bones).astype(np.float32)
+
+
+def rig_motion(body: Body, motion: Motion) -> Array:
+    """(F, B, 8) how the bones of the rig move, feet limited as the look has it."""
     positions, orientations = forward(motion.skeleton, motion.rotations, motion.root)
-    return dual_quaternions(body.rig, positions, orientations).astype(np.float32)
+    if body.look.foot_roll is not None:
+        positions, orientations = limited_roll(
+            body.rig, positions, orientations, np.radians(body.look.foot_roll)
+        )
+    return dual_quaternions(body.rig, positions, orientations)
 
 
-def skin_parted(rig: Rig, marks: Landmarks) -> Skin:
+def skin_mannequin(rig: Rig, marks: Landmarks, look: Appearance) -> Skin:
     """Smooth parts, each with its own skin, merged into one mesh."""
+    return _lofted(rig, tuple(map(_set_in, body_parts(marks, look.thickness))))
+
+
+def _set_in(part: Part) -> Part:
+    """A lower limb a little thinner than the upper one: where both end in one ball they flicker."""
+    if not part.name.endswith(("forearm", "shank")):
+        return part
+    return replace(part, widths=SET_IN * part.widths, depths=SET_IN * part.depths)
+
+
+SET_IN = 0.95
+
+
+def skin_stick(rig: Rig, marks: Landmarks, look: Appearance) -> Skin:
+    """Sticks between the joints, and a ball for the head."""
+    return _lofted(rig, stick_parts(marks, look.thickness))
+
+
+def skin_figure(rig: Rig, marks: Landmarks, look: Appearance) -> Skin:
+    """One closed skin over all parts, joined smoothly."""
+    parts = body_parts(marks, look.thickness)
+    points, faces = closed_mesh(parts)
+    weights = _spread(_skin_weights(parts, points, rig, marks.stature), faces, BENDS)
+    weights /= weights.sum(axis=1, keepdims=True)
+    normals = _spread(outward(parts, points), faces, LIGHT)
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    return _skin(rig, parts, points, normals, faces, weights)
+
+
+def skin_dots(rig: Rig, marks: Landmarks, look: Appearance) -> Skin:
+    """Dots at places of the body; which bone carries each is settled by `dot_bones`."""
+    return dot_skin(len(dot_places(rig, look.dots)))
+
+
+STYLES: Mapping[str, Callable[[Rig, Landmarks, Appearance], Skin]] = {
+    "figure": skin_figure,
+    "mannequin": skin_mannequin,
+    "stick": skin_stick,
+    "point-light": skin_dots,
+}
+
+
+def _lofted(rig: Rig, parts: tuple[Part, ...]) -> Skin:
     points, faces, normals, weights = [], [], [], []
     count = 0
-    parts = body_parts(marks)
     for part in parts:
         skin, triangles, places = loft(part)
         points.append(skin)
@@ -74,26 +136,31 @@ def skin_parted(rig: Rig, marks: Landmarks) -> Skin:
         normals.append(vertex_normals(skin, triangles))
         weights.append(bone_weights(part, places, rig.names))
         count += len(skin)
-    skin, outward, share = (np.concatenate(rows) for rows in (points, normals, weights))
-    return _skin(parts, skin, outward, np.concatenate(faces), share)
+    skin, facing, share = (np.concatenate(rows) for rows in (points, normals, weights))
+    return _skin(rig, parts, skin, facing, np.concatenate(faces), share)
 
 
-def skin_closed(rig: Rig, marks: Landmarks) -> Skin:
-    """One closed skin over all parts, joined smoothly."""
-    parts = body_parts(marks)
-    points, faces = closed_mesh(parts)
-    weights = _spread(_skin_weights(parts, points, rig, marks.stature), faces)
-    weights /= weights.sum(axis=1, keepdims=True)
-    return _skin(parts, points, vertex_normals(points, faces), faces, weights)
+def _casters(parts: tuple[Part, ...], rig: Rig) -> tuple[Floats, Floats]:
+    """Points along the axes of all parts, and the bones that carry them."""
+    places = np.linspace(0, 1, CASTERS)
+    points = [_lowest(part, places) for part in parts]
+    weights = [bone_weights(part, places, rig.names) for part in parts]
+    return np.concatenate(points), np.concatenate(weights)
 
 
-BODIES: Mapping[str, Callable[[Rig, Landmarks], Skin]] = {
-    "figure": skin_closed,
-    "parts": skin_parted,
-}
+CASTERS = 3  # of each part
+
+
+def _lowest(part: Part, places: Floats) -> Floats:
+    """Points on a part's axis; of a foot, under it on its sole."""
+    points = part.start + places[:, None] * (part.end - part.start)
+    if part.floor is not None:
+        points[:, 1] = part.floor
+    return points
 
 
 def _skin(
+    rig: Rig,
     parts: tuple[Part, ...],
     points: Floats,
     normals: Floats,
@@ -101,11 +168,17 @@ def _skin(
     weights: Floats,
 ) -> Skin:
     single = np.float32
-    openness = _spread(_openness(parts, points, normals)[:, None], faces, rounds=2)[:, 0]
+    openness = _spread(_openness(parts, points, normals)[:, None], faces, LIGHT)[:, 0]
     return Skin(
         points.astype(single), normals.astype(single), faces, weights.astype(single),
-        openness.astype(single),
+        openness.astype(single), _sides(rig, weights),
     )  # fmt: skip
+
+
+def _sides(rig: Rig, weights: Floats) -> NDArray[np.float32]:
+    """(V,) 1 on the left limbs, −1 on the right ones, 0 on the trunk and the head."""
+    signs = [name.startswith("left_") - name.startswith("right_") for name in rig.names]
+    return np.asarray(weights @ np.array(signs, dtype=float), dtype=np.float32)
 
 
 def _openness(parts: tuple[Part, ...], points: Floats, normals: Floats) -> Floats:
@@ -129,8 +202,8 @@ def _skin_weights(parts: tuple[Part, ...], points: Floats, rig: Rig, stature: fl
     return weights
 
 
-def _spread(values: Floats, faces: NDArray[np.int32], rounds: int = HEAT_ROUNDS) -> Floats:
-    """Values (V, n) after a few steps of heat flow over the mesh, so that bends are even."""
-    for _ in range(rounds):
+def _spread(values: Floats, faces: NDArray[np.int32], area: float) -> Floats:
+    """Values (V, n) after heat flow over about `area` m² of the mesh."""
+    for _ in range(max(1, round(area / field.CELL**2))):
         values = 0.5 * values + 0.5 * neighbour_mean(values, faces)
     return values

@@ -16,9 +16,10 @@ from stimuli.errors import InputError
 from stimuli.files import write_atomic
 from stimuli.motion import quaternions as quat
 from stimuli.motion.quaternions import Array
-from stimuli.render.bodies import Body, Skin
+from stimuli.render.bodies import Body
 from stimuli.render.rig import Rig
 from stimuli.render.shapes import Floats
+from stimuli.render.skin import Skin
 
 MOST_CARRIERS = 4  # bones a vertex, as many as every program reads
 MOVES = 1e-5  # metres: a bone that moves less within its parent has no track for it
@@ -46,6 +47,11 @@ def write_glb(
             f"{path}: expected pygltflib, found it is not installed.\n"
             "Install it with `pip install 'segue[gltf]'`."
         ) from error
+    if body.skin.weights.shape[1] != len(body.rig.names):
+        raise InputError(
+            f"{path}: expected a style whose body has a skin, found {body.look.style}.\n"
+            "Take the style figure, mannequin or stick for glTF."
+        )
     rotations, places = joint_tracks(body.rig, bones.astype(np.float64))
     written = _Written(gltf)
     mesh = _mesh(gltf, written, body.skin)

@@ -6,17 +6,19 @@ from numpy.typing import NDArray
 from stimuli.render.shapes import DENSE, Floats, Part
 
 FACETS = 20
-RINGS = 14
+MOST_RINGS, RING_GAP = 14, 0.02  # along the axis, metres apart at most
 CAP_RINGS = 5
 
 
 def loft(part: Part) -> tuple[Floats, NDArray[np.int32], Floats]:
     """Vertices (V, 3), faces (T, 3) seen from outside, and each vertex's place (V,) on the axis."""
+    # a ball has one ring about its middle: two in one place would share no face, and show a seam
+    rings = int(np.clip(np.ceil(part.length / RING_GAP), 1, MOST_RINGS))
     steps = np.linspace(0, np.pi / 2, CAP_RINGS + 1)[:-1]
-    place = np.concatenate([np.zeros(CAP_RINGS), np.linspace(0, 1, RINGS), np.ones(CAP_RINGS)])
-    scale = np.concatenate([np.sin(steps), np.ones(RINGS), np.sin(steps)[::-1]])
+    place = np.concatenate([np.zeros(CAP_RINGS), np.linspace(0, 1, rings), np.ones(CAP_RINGS)])
+    scale = np.concatenate([np.sin(steps), np.ones(rings), np.sin(steps)[::-1]])
     beyond = np.concatenate(
-        [-part.caps[0] * np.cos(steps), np.zeros(RINGS), part.caps[1] * np.cos(steps)[::-1]]
+        [-part.caps[0] * np.cos(steps), np.zeros(rings), part.caps[1] * np.cos(steps)[::-1]]
     )
     scale[[0, -1]] = 1e-3  # a pole is a tiny ring: every row has the same number of vertices
     stations = np.linspace(0, 1, DENSE)

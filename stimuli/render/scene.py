@@ -1,118 +1,142 @@
-"""Drawing one figure offscreen, frame after frame, through pyrender and EGL.
+"""Drawing one figure offscreen, frame after frame, through OpenGL and EGL.
 
-The figure is a single mesh whose vertex buffer is rewritten in place for each frame: one draw
-call, and the same bytes on every run. Only the part of the picture that the figure covers is
-cleared, resolved and read back; the rest is background. Depth is never read.
+The skin lies on the card (or in the software that stands in for one) from the first frame on, and
+its bones alone are sent for each: it is moved and lit there. Faces that look away are not drawn.
+Only the part of the picture that the figure and its ground cover is cleared, resolved and read
+back; the rest is background. Depth is never read.
 
 One renderer a process; close it before the process ends.
 """
 
-import os
-import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
-from tempfile import TemporaryDirectory
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stimuli.errors import InputError, MachineError
+from stimuli.errors import InputError
 from stimuli.render.appearance import Appearance
-from stimuli.render.bodies import Skin
 from stimuli.render.camera import Camera
-from stimuli.render.device import driver, open_platform
-from stimuli.render.light import shade
+from stimuli.render.context import EglContext, import_gl
+from stimuli.render.device import driver
+from stimuli.render.floor import Floor, vertices
+from stimuli.render.ground import GROUNDS, GroundMotion
+from stimuli.render.light import FILL, KEY, tinted, towards
+from stimuli.render.programs import INFLUENCES, SKIN_FRAGMENT, SKIN_VERTEX, Program
 from stimuli.render.rig import moved
 from stimuli.render.shapes import Floats
+from stimuli.render.skin import BETWEEN, Skin
+from stimuli.render.target import Box, Target, apart, around
 from stimuli.render.video import Pictures
 
-GRAPHICS = (
-    "install libegl1 libegl-mesa0 libgl1 libgl1-mesa-dri (Debian; it needs no screen and no card), "
-    "or render on another machine and bring the set over"
-)
-NEAR, _FAR = 0.05, 200.0
-BORDER = 2  # pixels around the figure's box, for its antialiased edge
+NEAR, FAR = 0.25, 200.0
+BORDER = 3  # pixels around the figure's box, for its antialiased edge
+STILL: NDArray[np.float32] = np.zeros((0, 3), dtype=np.float32)
 
 
 class Renderer:
     """An offscreen context for pictures of one look; `show` says of which body, from where."""
 
     def __init__(self, look: Appearance, device: str = "auto") -> None:
-        self.look = look
-        self._pyrender, self._platform = _opened(look, device)
-        self.driver = driver()
-        pyrender = self._pyrender
-        self._drawing = _drawing(pyrender)(look.width, look.height)
-        self._flags = pyrender.RenderFlags.FLAT | pyrender.RenderFlags.OFFSCREEN
+        if look.ground not in GROUNDS:
+            raise InputError(
+                f"ground: expected one of {', '.join(GROUNDS)}, found {look.ground!r}."
+            )
+        self.look = look if look.width else look.shaped("16:9")
+        look = self.look
+        self._context = EglContext(device)
+        self._gl = import_gl()
+        self.driver = driver(self._gl)
+        self._target = Target(self._gl, look.width, look.height, look.supersample)
+        levels = np.rint(np.array(look.background) * 255).astype(np.uint8)
         self._background = np.empty((look.height, look.width, 3), dtype=np.uint8)
-        self._background[:] = np.rint(np.array(look.background) * 255)
-        self._tint = np.array(look.colour, dtype=np.float32)
+        self._background[:] = levels
+        red, green, blue = (float(level) / 255 for level in levels)
+        self._behind = (red, green, blue)
+        self._floor = Floor(self._gl, look)
+        self._programs: dict[int, Program] = {}
 
     def show(self, skin: Skin, camera: Camera) -> None:
         """Draw this skin, seen by this camera, from now on."""
+        gl, look = self._gl, self.look
         self.skin, self.camera = skin, camera
-        self._scene, self._primitive = _scene(self._pyrender, skin, camera, self.look)
-        self._buffer = np.ones((len(skin.points), 7), dtype=np.float32)
-        self._drawing._update_context(self._scene, self._flags)
+        far = skin.outermost
+        self._outline = tuple(a[far] for a in (skin.weights, skin.points, skin.normals))
+        bones = skin.weights.shape[1]
+        if bones not in self._programs:
+            vertex = SKIN_VERTEX.replace("[BONES]", f"[{2 * bones}]")
+            self._programs[bones] = Program(gl, vertex, SKIN_FRAGMENT)
+        self._program = self._programs[bones]
+        self._array = vertices(gl, _attributes(skin, look), (3, 4, 3, 2, 3, 3, 3, 3))
+        faces = in_order(skin.faces)
+        gl.glBindBuffer(gl.GL_ELEMENT_ARRAY_BUFFER, gl.glGenBuffers(1))
+        gl.glBufferData(gl.GL_ELEMENT_ARRAY_BUFFER, faces.nbytes, faces, gl.GL_STATIC_DRAW)
+        self._lens = projection(camera.field_of_view, look.width / look.height)
+        self._rim = _radius(look, camera.field_of_view)
 
-    def frames(self, bone_motion: NDArray[np.float32]) -> Iterator[Pictures]:
+    def frames(
+        self, bone_motion: NDArray[np.float32], ground: GroundMotion | None = None
+    ) -> Iterator[Pictures]:
         """A picture (height, width, 3) RGB for each frame of the bones' motion (F, B, 8)."""
-        skin = self.skin
-        for bones in bone_motion:
-            yield self.draw(*moved(skin.weights, bones, skin.points, skin.normals))
+        for frame in range(len(bone_motion)):
+            yield self.draw(bone_motion, frame, ground)
 
-    def draw(self, points: Floats, normals: Floats) -> Pictures:
-        """One picture (height, width, 3) of the skin at `points` with `normals` (V, 3)."""
-        from OpenGL import GL
-
-        buffer = self._buffer
-        buffer[:, :3] = points
-        buffer[:, 3:6] = shade(normals, self.skin.openness, self.camera.axes)[:, None] * self._tint
-        GL.glBindBuffer(GL.GL_ARRAY_BUFFER, self._primitive._buffers[0])
-        GL.glBufferSubData(GL.GL_ARRAY_BUFFER, 0, buffer.nbytes, buffer)
-        picture = self._background.copy()
-        left, top, right, bottom = self._box(points)
-        if left < right and top < bottom:
-            box = (left, self.look.height - bottom, right - left, bottom - top)
-            self._drawing.box = box
-            GL.glEnable(GL.GL_SCISSOR_TEST)
-            GL.glScissor(*box)
-            picture[top:bottom, left:right] = self._drawing.render(self._scene, self._flags)
+    def draw(
+        self, bone_motion: NDArray[np.float32], frame: int, ground: GroundMotion | None = None
+    ) -> Pictures:
+        """The picture (height, width, 3) of one frame."""
+        camera, bones = self.camera.at(frame), bone_motion[frame]
+        points, _ = moved(self._outline[0], bones, *self._outline[1:])
+        boxes = [self._box(camera, points, BETWEEN + self._rim[0])]
+        laid = ground if self._floor.parts else None
+        if laid is not None:
+            reach = self._floor.reach(laid.casters[frame], laid.floor, laid.middles[frame])
+            boxes.append(self._box(camera, reach, 0.0))
+        picture, boxes = self._background.copy(), apart(boxes)
+        if not boxes:
+            return picture
+        whole = around(boxes)
+        self._target.begin(whole, self.look.height, self._behind)
+        view = np.linalg.inv(camera.pose).astype(np.float32)
+        if laid is not None:
+            casters = laid.casters[frame] if self.skin.lit else STILL
+            self._floor.draw(self._lens, view, casters, laid.floor, laid.middles[frame])
+        self._draw_skin(camera, view, bones)
+        for box in boxes:
+            picture[box.top : box.bottom, box.left : box.right] = self._target.pixels(box)
         return picture
 
-    def _box(self, points: Floats) -> tuple[int, int, int, int]:
-        """Left, top, right and bottom pixels of the box around the figure, within the picture."""
-        size = np.array([self.look.width, self.look.height])
-        pixels, _ = self.camera.project(points, self.look.width, self.look.height)
-        low = np.clip(np.floor(pixels.min(axis=0)) - BORDER, 0, size).astype(int)
-        high = np.clip(np.ceil(pixels.max(axis=0)) + BORDER, 0, size).astype(int)
-        return int(low[0]), int(low[1]), int(high[0]), int(high[1])
+    def _draw_skin(self, camera: Camera, view: Floats, bones: NDArray[np.float32]) -> None:
+        gl, program = self._gl, self._program
+        gl.glEnable(gl.GL_DEPTH_TEST)
+        (gl.glEnable if self.skin.lit else gl.glDisable)(gl.GL_CULL_FACE)
+        program.use()
+        gl.glUniformMatrix4fv(program.at("view"), 1, True, view)
+        gl.glUniformMatrix4fv(program.at("lens"), 1, True, self._lens)
+        for name, light in (("key", KEY), ("fill", FILL)):
+            gl.glUniform3f(program.at(name), *towards(light, camera.axes))
+        gl.glUniform1f(program.at("lit"), float(self.skin.lit))
+        gl.glUniform2f(program.at("disc"), *self._rim)
+        gl.glUniform4fv(program.at("bones"), 2 * len(bones), np.ascontiguousarray(bones))
+        gl.glBindVertexArray(self._array)
+        gl.glDrawElements(gl.GL_TRIANGLES, self.skin.faces.size, gl.GL_UNSIGNED_INT, None)
+
+    def _box(self, camera: Camera, points: Floats, radius: float) -> Box:
+        """The box about balls at `points`, in the picture."""
+        width, height = self.look.width, self.look.height
+        size = np.array([width, height])
+        pixels, depth = camera.project(points, width, height)
+        if depth.min() < NEAR:
+            return Box(0, 0, width, height)
+        focal = height / 2 / np.tan(camera.field_of_view / 2)
+        room = BORDER + focal * (radius / depth[:, None] + self._rim[1])
+        low = np.clip(np.floor((pixels - room).min(axis=0)), 0, size).astype(int)
+        high = np.clip(np.ceil((pixels + room).max(axis=0)), 0, size).astype(int)
+        return Box(int(low[0]), int(low[1]), int(high[0]), int(high[1]))
 
     def close(self) -> None:
         """Free the context; it must not outlive its process."""
-        if self._platform is not None:
-            if self._drawing.figure_program is not None:
-                self._drawing.figure_program.delete()
-            self._drawing.delete()
-            self._platform.delete_context()
-            self._platform = None
-
-
-def _opened(look: Appearance, device: str) -> tuple[Any, Any]:
-    """pyrender and a current context of its; MachineError where the machine has no OpenGL."""
-    try:
-        pyrender = import_pyrender()
-        platform = open_platform(device, look.width, look.height)
-    except InputError:
-        raise
-    except Exception as error:  # each driver and binding fails in a way of its own
-        why = " ".join(str(error).split()) or type(error).__name__
-        raise MachineError(
-            f"rendering: expected a device for OpenGL by EGL, found none ({why});\n{GRAPHICS}"
-        ) from error
-    return pyrender, platform
+        self._context.close()
 
 
 @contextmanager
@@ -125,87 +149,56 @@ def renderer(look: Appearance) -> Iterator[Renderer]:
         drawing.close()
 
 
-def import_pyrender() -> Any:
-    """pyrender for EGL, without the warnings of its imports.
+def in_order(faces: NDArray[np.int32]) -> NDArray[np.uint32]:
+    """(T, 3) faces so that those with a point in common are near each other.
 
-    The platform is chosen by an environment variable that PyOpenGL reads when it is imported.
+    A point is moved and lit anew for each batch of faces that has it: in any order, many times.
     """
-    os.environ["PYOPENGL_PLATFORM"] = "egl"
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", category=DeprecationWarning, module=r"(OpenGL|pyrender)")
-        import pyrender
-    return pyrender
+    order = np.argsort(faces.min(axis=1), kind="stable")
+    return np.ascontiguousarray(faces[order], dtype=np.uint32)
 
 
-def _scene(pyrender: Any, skin: Skin, camera: Camera, look: Appearance) -> tuple[Any, Any]:
-    """A scene of the skin's mesh and the camera; the mesh's one primitive."""
-    primitive = pyrender.Primitive(
-        positions=skin.points,
-        color_0=np.ones((len(skin.points), 4), dtype=np.float32),
-        indices=skin.faces.astype(np.uint32),
-        material=pyrender.MetallicRoughnessMaterial(baseColorFactor=(1.0, 1.0, 1.0, 1.0)),
-    )
-    scene = pyrender.Scene(bg_color=(*look.background, 1.0))
-    scene.add(pyrender.Mesh([primitive]))
-    lens = pyrender.PerspectiveCamera(camera.field_of_view, znear=NEAR, zfar=_FAR)
-    scene.add(lens, pose=camera.pose)
-    return scene, primitive
+def _attributes(skin: Skin, look: Appearance) -> NDArray[np.float32]:
+    """(V, 24) what each point has: see the skin's program."""
+    count = len(skin.points)
+    carried = min(INFLUENCES, skin.weights.shape[1])
+    order = np.argsort(-skin.weights, axis=1, kind="stable")[:, :carried]
+    weights, indices = np.zeros((2, count, INFLUENCES))
+    weights[:, :carried] = np.take_along_axis(skin.weights, order, axis=1)
+    indices[:, :carried] = order
+    rims = skin.rims if len(skin.rims) else np.zeros((count, 2))
+    half = INFLUENCES // 2
+    return np.concatenate(
+        [
+            skin.points, skin.normals, skin.openness[:, None],
+            tinted(look.colour, skin.sides, look.tint), rims,
+            weights[:, :half], indices[:, :half], weights[:, half:], indices[:, half:],
+        ],
+        axis=1,
+    ).astype(np.float32)  # fmt: skip
 
 
-VERTEX = """#version 330 core
-layout(location = 0) in vec3 position;
-layout(location = 1) in vec4 colour;
-uniform mat4 V;
-uniform mat4 P;
-centroid out vec4 shown;
-void main() { gl_Position = P * V * vec4(position, 1.0); shown = colour; }
-"""
-FRAGMENT = """#version 330 core
-centroid in vec4 shown;
-out vec4 frag_color;
-void main() { frag_color = shown; }
-"""
+def projection(field_of_view: float, aspect: float) -> NDArray[np.float32]:
+    """(4, 4) the projection of a camera."""
+    focal = 1 / np.tan(field_of_view / 2)
+    span = NEAR - FAR
+    return np.array(
+        [
+            [focal / aspect, 0, 0, 0], [0, focal, 0, 0],
+            [0, 0, (FAR + NEAR) / span, 2 * FAR * NEAR / span], [0, 0, -1, 0],
+        ],
+        dtype=np.float32,
+    )  # fmt: skip
 
 
-def _program() -> Any:
-    """A shader program that shows the vertices' colours.
+def _radius(look: Appearance, field_of_view: float) -> tuple[float, float]:
+    """A dot's radius in metres, and in metres for each metre from the camera.
 
-    They are interpolated at centroids: at the middle of a pixel that a triangle only touches they
-    would be extrapolated, and speckle the figure's outline.
+    A dot of so many degrees has that share of the picture's height, on a flat screen.
     """
-    from pyrender.shader_program import ShaderProgram
-
-    with TemporaryDirectory(prefix="segue-") as folder:
-        vertex, fragment = Path(folder, "figure.vert"), Path(folder, "figure.frag")
-        vertex.write_text(VERTEX, encoding="utf-8")
-        fragment.write_text(FRAGMENT, encoding="utf-8")
-        program = ShaderProgram(str(vertex), str(fragment))
-        program._add_to_context()
-    return program
-
-
-def _drawing(pyrender: Any) -> Any:
-    """pyrender's renderer with a program of our own, reading back only the colours in `box`."""
-    from OpenGL import GL
-    from pyrender.renderer import Renderer as Base
-
-    class Drawing(Base):
-        box: tuple[int, int, int, int]
-        figure_program: Any = None
-
-        def _get_primitive_program(self, primitive: Any, flags: int, uses: int) -> Any:
-            self.figure_program = self.figure_program or _program()
-            return self.figure_program
-
-        def _read_main_framebuffer(self, scene: Any, flags: int) -> Pictures:
-            x, y, width, height = self.box
-            corners = (x, y, x + width, y + height)
-            GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, self._main_fb_ms)
-            GL.glBindFramebuffer(GL.GL_DRAW_FRAMEBUFFER, self._main_fb)
-            GL.glBlitFramebuffer(*corners, *corners, GL.GL_COLOR_BUFFER_BIT, GL.GL_NEAREST)
-            GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, self._main_fb)
-            raw = GL.glReadPixels(*self.box, GL.GL_RGBA, GL.GL_UNSIGNED_BYTE)
-            pixels = np.frombuffer(raw, dtype=np.uint8).reshape(height, width, 4)
-            return pixels[::-1, :, :3]
-
-    return Drawing
+    if look.style != "point-light":
+        return 0.0, 0.0
+    if look.dot_unit == "metres":
+        return look.dot_size / 2, 0.0
+    share = np.tan(np.radians(look.dot_size / 2)) / np.tan(np.radians(look.picture_degrees / 2))
+    return 0.0, float(share * np.tan(field_of_view / 2))

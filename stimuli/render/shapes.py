@@ -47,24 +47,18 @@ class Part:
 
 
 def profile(values: tuple[float, ...], scale: float = 1.0) -> Floats:
-    """(DENSE,) a smooth curve through evenly spaced `values` (Catmull-Rom).
+    """(DENSE,) a smooth curve through evenly spaced `values`: a cubic spline.
 
-    It is flat at both ends, where a rounded end goes on from it: any slope there would be a crease.
+    It is flat at both ends, where a rounded end goes on from it: any slope there would be a
+    crease. Its bend changes without a jump, as a jump would show in the shading as a ridge.
     """
+    from scipy.interpolate import CubicSpline
+
     knots = np.asarray(values, dtype=float) * scale
     if len(knots) == 1:
         return np.full(DENSE, knots[0])
-    slopes = np.gradient(knots)
-    slopes[[0, -1]] = 0.0
-    place = np.linspace(0, len(knots) - 1, DENSE)
-    left = np.minimum(place.astype(int), len(knots) - 2)
-    s = place - left
-    return (
-        (2 * s**3 - 3 * s**2 + 1) * knots[left]
-        + (s**3 - 2 * s**2 + s) * slopes[left]
-        + (3 * s**2 - 2 * s**3) * knots[left + 1]
-        + (s**3 - s**2) * slopes[left + 1]
-    )
+    spline = CubicSpline(np.linspace(0, 1, len(knots)), knots, bc_type="clamped")
+    return np.asarray(spline(np.linspace(0, 1, DENSE)))
 
 
 def place_on_axis(part: Part, points: Floats) -> Floats:
@@ -112,9 +106,12 @@ def bounds(part: Part) -> tuple[Floats, Floats]:
 
 
 def smooth_union(a: Floats, b: Floats, radius: float) -> Floats:
-    """Quadratic polynomial minimum of two distances, rounding their crease over `radius`."""
+    """Cubic polynomial minimum of two distances, rounding their crease over `radius`.
+
+    Where the rounding ends the bend goes on without a jump, so that no ridge of shading shows.
+    """
     mix = np.maximum(radius - np.abs(a - b), 0.0) / radius
-    return np.minimum(a, b) - mix * mix * radius / 4
+    return np.minimum(a, b) - mix * mix * mix * radius / 6
 
 
 def bone_weights(part: Part, places: Floats, names: tuple[str, ...]) -> Floats:

@@ -11,7 +11,7 @@ from stimuli.sets.building import Inventory, build, inventory, prune, stale_clip
 from stimuli.sets.layout import clip_motion
 from stimuli.sets.manifest import ClipEntry, Manifest, load_manifest
 from stimuli.sets.plan import ResolvedPairing, resolve
-from stimuli.sets.spec import Pairing, SetSpec
+from stimuli.sets.spec import Pairing, SetSpec, Through
 
 __all__ = [
     "Appearance",
@@ -21,6 +21,7 @@ __all__ = [
     "Pairing",
     "ResolvedPairing",
     "SetSpec",
+    "Through",
     "build",
     "clip_motion",
     "inventory",

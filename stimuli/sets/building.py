@@ -10,7 +10,7 @@ import json
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -188,9 +188,12 @@ def _work(
     clips: dict[str, tuple[tuple[int, int], list[FrameKey]]] = {}
     for group in groups:
         wanted = {
-            clip.hash: clip.bones for clip in group.clips if clip.hash in missing - set(clips)
+            clip.hash: (clip.bones, clip.ground)
+            for clip in group.clips
+            if clip.hash in missing - set(clips)
         }
-        for name, keys, job in jobs_of(group.scenery, wanted.items()):
+        drawn = ((name, *shown) for name, shown in wanted.items())
+        for name, keys, job in jobs_of(group.scenery, drawn):
             clips[name] = (group.scenery.size, keys)
             if job.keys:
                 jobs.append(job)
@@ -250,9 +253,10 @@ def _text(spec: SetSpec, groups: Sequence[PlannedGroup], out: Path) -> str:
         "fps": spec.fps,
         "seconds": spec.seconds,
         "frames": spec.frames,
-        "width": spec.appearance.width,
-        "height": spec.appearance.height,
+        "width": groups[0].scenery.look.width,
+        "height": groups[0].scenery.look.height,
         "background": list(spec.appearance.background),
+        "appearance": asdict(groups[0].scenery.look),
         "specification": spec.specification,
         "pairings": {group.name: group.document for group in groups},
         "clips": [_clip(clip, out) for group in groups for clip in group.clips],

@@ -33,7 +33,7 @@ class Drawing:
     def frames(self, job: DrawJob, scenery: Scenery) -> Iterator[DrawnFrame]:
         """The job's frames, drawn, hashed and packed one by one."""
         renderer = self._at(scenery)
-        pictures = renderer.frames(job.bones[list(job.places)])
+        pictures = (renderer.draw(job.bones, place, job.ground) for place in job.places)
         packer = Packer(self._master, *scenery.size)
         for key, picture in zip(job.keys, pictures, strict=True):
             yield DrawnFrame(key, packer.pack(picture), hashlib.sha256(picture.data).digest())

@@ -26,14 +26,15 @@ def end_displacements(clip: LaidOut, reference: LaidOut) -> dict[str, float | No
 
 
 def picture_displacements(
-    clip: LaidOut, reference: LaidOut, camera: Camera
+    clip: LaidOut, reference: LaidOut, camera: Camera, degrees: float
 ) -> dict[str, float | None]:
     """The same in the picture: degrees of visual angle by which a joint is seen elsewhere.
 
-    Before either blend, over the frames that either mixes, and after both, for an eye for which
-    the picture is as high as the camera's field of view; None where there are no such frames.
+    Before either blend, over the frames that either mixes, and after both, for an eye that sees
+    the picture's height under `degrees`; None where there are no such frames.
     """
-    apart = _angles(*(_sight_lines(camera, _places(each.motion)) for each in (clip, reference)))
+    one, other = (_sight_lines(camera, _places(each.motion), degrees) for each in (clip, reference))
+    apart = _angles(one, other)
     before, within, after = _parted(apart.mean(axis=1), clip, reference)
     return {"picture_before": before, "picture_in": within, "picture_after": after}
 
@@ -57,10 +58,10 @@ def _parted(
     return before, within, after
 
 
-def _sight_lines(camera: Camera, places: Places) -> Places:
+def _sight_lines(camera: Camera, places: Places, degrees: float) -> Places:
     """(F, J, 3) unit directions to the picture's places of points (F, J, 3), for that eye."""
     pixels, _ = camera.project(places, 2, 2)  # the picture's half-height is one
-    aside = (pixels - 1) * np.tan(camera.field_of_view / 2)
+    aside = (pixels - 1) * np.tan(np.radians(degrees / 2))
     lines = np.concatenate([aside, np.ones_like(aside[..., :1])], axis=-1)
     return lines / np.linalg.norm(lines, axis=-1, keepdims=True)
 

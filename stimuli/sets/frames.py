@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stimuli.render.appearance import Appearance
-from stimuli.render.bodies import Skin
 from stimuli.render.camera import Camera
+from stimuli.render.ground import GroundMotion
+from stimuli.render.skin import Skin
 
 FrameKey = bytes  # of a frame's picture, within a group
 
@@ -41,6 +42,7 @@ class DrawJob:
     keys: tuple[FrameKey, ...]  # of the frames that are drawn
     places: tuple[int, ...]  # of them in the clip
     bones: NDArray[np.float32]  # (F, B, 8) of the whole clip
+    ground: GroundMotion | None = None
 
 
 @dataclass(frozen=True)
@@ -52,16 +54,23 @@ class DrawnFrame:
     sha256: bytes
 
 
-def frame_keys(scenery: Scenery, bones: NDArray[np.float32]) -> list[FrameKey]:
-    """What tells the pictures of a scenery apart, for each row of bones (F, B, 8)."""
+def frame_keys(
+    scenery: Scenery, bones: NDArray[np.float32], ground: GroundMotion | None = None
+) -> list[FrameKey]:
+    """What tells the pictures of a scenery apart, for each frame of bones (F, B, 8)."""
     start = hashlib.blake2b(scenery.name.encode(), digest_size=16)
+    single = one_sign(bones)
 
-    def key(row: NDArray[np.float32]) -> FrameKey:
+    def key(frame: int) -> FrameKey:
         known = start.copy()
-        known.update(row.tobytes())
+        known.update(single[frame].tobytes())
+        known.update(repr(scenery.camera.at(frame)).encode())
+        if ground is not None:
+            known.update(ground.casters[frame].tobytes())
+            known.update(ground.middles[frame].tobytes())
         return known.digest()
 
-    return [key(row) for row in one_sign(bones)]
+    return [key(frame) for frame in range(len(bones))]
 
 
 def one_sign(bones: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -74,15 +83,14 @@ def one_sign(bones: NDArray[np.float32]) -> NDArray[np.float32]:
 
 
 def jobs_of(
-    scenery: Scenery, clips: Iterable[tuple[str, NDArray[np.float32]]]
+    scenery: Scenery, clips: Iterable[tuple[str, NDArray[np.float32], GroundMotion | None]]
 ) -> Iterator[tuple[str, list[FrameKey], DrawJob]]:
-    """For each clip (name, bones) its frames in order, and which of them are to be drawn for it."""
+    """For each clip (name, bones, ground) its frames, and which of them are drawn for it."""
     known: set[FrameKey] = set()
-    for name, bones in clips:
-        keys = frame_keys(scenery, bones)
+    for name, bones, ground in clips:
+        keys = frame_keys(scenery, bones, ground)
         first = {key: place for place, key in reversed(list(enumerate(keys))) if key not in known}
         fresh = sorted(first.values())
         known.update(first)
         drawn = tuple(keys[place] for place in fresh)
-        job = DrawJob(scenery.name, drawn, tuple(fresh), one_sign(bones))
-        yield name, keys, job
+        yield name, keys, DrawJob(scenery.name, drawn, tuple(fresh), one_sign(bones), ground)

@@ -1,4 +1,8 @@
-"""A group of clips planned: every clip laid out, one body, one camera, and what goes on record."""
+"""Groups of clips planned: every clip laid out, a body, one camera, and what goes on record.
+
+Where the look leaves the camera or the shape of the pictures open, one choice is made for all
+groups of a set, from what the figure does in all of them.
+"""
 
 import warnings
 from collections.abc import Callable, Mapping, Sequence
@@ -15,7 +19,9 @@ from stimuli.motion.library import Library
 from stimuli.render.appearance import Appearance
 from stimuli.render.bodies import Body, bone_motion, make_body
 from stimuli.render.camera import Camera
-from stimuli.render.clip import group_camera
+from stimuli.render.clip import ground_motions
+from stimuli.render.ground import GroundMotion
+from stimuli.render.staging import Settled, Staging, settle, sizes, stage
 from stimuli.sets.ends import end_displacements, picture_displacements
 from stimuli.sets.frames import Scenery
 from stimuli.sets.layout import LaidOut, lay_out
@@ -33,12 +39,13 @@ class PlannedClip:
     hash: str
     laid_out: LaidOut
     bones: NDArray[np.float32]  # (F, B, 8) what is drawn: how the body's bones move
+    ground: GroundMotion | None
     document: Mapping[str, Any]
 
 
 @dataclass(frozen=True, eq=False)
 class PlannedGroup:
-    """The clips of a pairing."""
+    """The clips of a pairing; the look is that of the whole set, with nothing left open."""
 
     resolved: ResolvedPairing
     body: Body
@@ -62,89 +69,122 @@ class PlannedGroup:
         return self.scenery.camera
 
 
-def plan_group(spec: SetSpec, resolved: ResolvedPairing, library: Library) -> PlannedGroup:
-    """Lay out every clip of a pairing and find the camera that holds the figure in all of them.
+@dataclass(frozen=True, eq=False)
+class _LaidGroup:
+    """The clips of a pairing laid out, with the methods or lengths that they are of."""
 
-    RefusedError, which names the pairing, of all that its clips lack.
+    resolved: ResolvedPairing
+    kinds: tuple[tuple[str | None, int], ...]
+    laid: tuple[LaidOut, ...]
+    body: Body
+    bones: tuple[NDArray[np.float32], ...]
+    staging: Staging
+
+
+def plan_groups(spec: SetSpec, library: Library) -> list[PlannedGroup]:
+    """All groups of a set, under one look; says what was chosen where that was left open.
+
+    RefusedError of all that any of them is refused for, before any work.
     """
-    laid, body = together(
-        [partial(_laid_out, spec, resolved, library)], place_of(spec, resolved.pairing)
-    )[0]
-    return _group(spec, resolved, library, laid, body)
+
+    def laid(pairing: Pairing) -> _LaidGroup:
+        return _laid_group(spec, resolve_pairing(spec, pairing, library), library)
+
+    groups = together(partial(laid, pairing) for pairing in spec.pairings)
+    settled = settle(spec.appearance, [group.staging for group in groups], spec.beside)
+    for remark in settled.remarks:
+        warnings.warn(f"set {spec.name}: {remark}", InputWarning, stacklevel=2)
+    return [
+        _planned_group(spec, group, library, settled, camera)
+        for group, camera in zip(groups, settled.cameras, strict=True)
+    ]
 
 
-def plan_groups(spec: SetSpec, library: Library) -> tuple[PlannedGroup, ...]:
-    """Every group of a set, or all that they are refused for together, before any work."""
-
-    def planned(pairing: Pairing) -> PlannedGroup:
-        return plan_group(spec, resolve_pairing(spec, pairing, library), library)
-
-    return tuple(together(partial(planned, pairing) for pairing in spec.pairings))
+def plan_group(spec: SetSpec, resolved: ResolvedPairing, library: Library) -> PlannedGroup:
+    """One group by itself, as if the set had no other."""
+    group = _laid_group(spec, resolved, library)
+    settled = settle(spec.appearance, [group.staging], spec.beside)
+    return _planned_group(spec, group, library, settled, settled.cameras[0])
 
 
-def _laid_out(
-    spec: SetSpec, resolved: ResolvedPairing, library: Library
-) -> tuple[list[LaidOut], Body]:
-    """The clips of a pairing in time, and their body."""
-    clips: list[LaidOut] = []
+def _laid_group(spec: SetSpec, resolved: ResolvedPairing, library: Library) -> _LaidGroup:
+    """The clips of a pairing in time, and their body; RefusedError of all that they lack."""
+    kinds = (*resolved.methods.items(), *((None, length) for length in resolved.lengths))
+    laid: list[LaidOut] = []
     bodies: list[Body] = []
 
     def lay(method: str | None, length: int) -> None:
         at_length = None if method else length
-        clips.append(lay_out(spec, resolved, library, method=method, length=at_length))
+        laid.append(lay_out(spec, resolved, library, method=method, length=at_length))
 
     def dress() -> None:
         source = library.load(resolved.pairing.from_clip)
-        bodies.append(_body(source, spec.appearance.body))
+        bodies.append(_body(source, spec.appearance))
 
     works: list[Callable[[], None]] = [dress]
-    works += [partial(lay, *kind) for kind in _kinds(resolved)]
-    together(works)
-    return clips, bodies[0]
+    works += [partial(lay, *kind) for kind in kinds]
+    together(works, place_of(spec, resolved.pairing))
+    body, motions = bodies[0], [clip.motion for clip in laid]
+    bones = tuple(bone_motion(body, motion) for motion in motions)
+    staging = stage(body, motions, bones, laid[0].at, [clip.mixed for clip in laid])
+    return _LaidGroup(resolved, kinds, tuple(laid), body, bones, staging)
 
 
-def _kinds(resolved: ResolvedPairing) -> list[tuple[str | None, int]]:
-    """The method (None: a set by lengths) and the length of each clip."""
-    return [*resolved.methods.items(), *((None, length) for length in resolved.lengths)]
+def _planned_group(
+    spec: SetSpec, group: _LaidGroup, library: Library, settled: Settled, camera: Camera
+) -> PlannedGroup:
+    resolved, kinds, laid, body = group.resolved, group.kinds, group.laid, group.body
+    look = settled.look
+    names = _names(spec, resolved, library, laid, look)
+    reference = next(
+        clip for (_, length), clip in zip(kinds, laid, strict=True) if length == resolved.anchor
+    )
+    grounds = ground_motions(body, [clip.motion for clip in laid], group.bones, look)
+
+    def document(method: str | None, clip: LaidOut) -> dict[str, Any]:
+        measures = {
+            **transition_measures(clip.transition, reference.transition),
+            **end_displacements(clip, reference),
+            **picture_displacements(clip, reference, camera, look.picture_degrees),
+        }
+        return _clip_document(spec, resolved, method, clip, measures)
+
+    clips = tuple(
+        PlannedClip(name, clip, bones, ground, document(method, clip))
+        for (method, _), clip, bones, ground, name in zip(
+            kinds, laid, group.bones, grounds, names, strict=True
+        )
+    )
+    if len({clip.hash for clip in clips}) < len(clips):
+        _warn_of_copies(spec, resolved.name, kinds, clips)
+    scenery = Scenery(resolved.name, body.skin, camera, look)
+    told = _group_document(resolved, library, camera, body)
+    told["figure"] = figure_document(look, camera, group.staging)
+    return PlannedGroup(resolved, body, scenery, clips, told)
 
 
-def _group(
+def figure_document(look: Appearance, camera: Camera, staging: Staging) -> dict[str, float]:
+    """How large a figure is that stands where it is: shares of the picture, degrees of angle.
+
+    Least within a second of the blend, and anywhere; the degrees are those of the picture as it
+    is meant to be seen, `middle` is where the figure stands on average, 0 being the top.
+    """
+    shown = sizes(camera, staging)
+    half = np.tan(np.radians(look.picture_degrees / 2))
+    degrees = {
+        f"{key}_degrees": 2 * float(np.degrees(np.arctan(half * share)))
+        for key, share in (("near_blend", shown.near_blend), ("anywhere", shown.anywhere))
+    }
+    found = {"near_blend": shown.near_blend, "anywhere": shown.anywhere, "middle": shown.middle}
+    return {key: round(value, 3) for key, value in (found | degrees).items()}
+
+
+def _names(
     spec: SetSpec,
     resolved: ResolvedPairing,
     library: Library,
     laid: Sequence[LaidOut],
-    body: Body,
-) -> PlannedGroup:
-    look, pairing = spec.appearance, resolved.pairing
-    kinds = _kinds(resolved)
-    camera = group_camera(body, [clip.motion for clip in laid], look, laid[0].at)
-    names = _names(spec, resolved, library, laid)
-    reference = next(
-        clip for (_, length), clip in zip(kinds, laid, strict=True) if length == resolved.anchor
-    )
-
-    def planned(method: str | None, clip: LaidOut, name: str) -> PlannedClip:
-        measures = {
-            **transition_measures(clip.transition, reference.transition),
-            **end_displacements(clip, reference),
-            **picture_displacements(clip, reference, camera),
-        }
-        document = _clip_document(spec, resolved, method, clip, measures)
-        return PlannedClip(name, clip, bone_motion(body, clip.motion), document)
-
-    clips = tuple(
-        planned(method, clip, name)
-        for (method, _), clip, name in zip(kinds, laid, names, strict=True)
-    )
-    if len({clip.hash for clip in clips}) < len(clips):
-        _warn_of_copies(spec, pairing.name, kinds, clips)
-    scenery = Scenery(pairing.name, body.skin, camera, look)
-    document = _group_document(resolved, library, camera, body)
-    return PlannedGroup(resolved, body, scenery, clips, document)
-
-
-def _names(
-    spec: SetSpec, resolved: ResolvedPairing, library: Library, laid: Sequence[LaidOut]
+    look: Appearance,
 ) -> list[str]:
     """Names of a group's clips in order; clips that nobody could tell apart have one name."""
     pairing = resolved.pairing
@@ -158,7 +198,7 @@ def _names(
         "at": laid[0].at,
         "frames": spec.frames,
         "fps": spec.fps,
-        "appearance": asdict(spec.appearance),
+        "appearance": asdict(look),
     }
     return clip_names(made_of, [joining(laid[first].transition) for first in firsts])
 
@@ -178,7 +218,7 @@ def _warn_of_copies(
                 f"set {spec.name}, {pairing}: {' and '.join(alike)} make one and the same clip, "
                 "which compares nothing; choose other frames",
                 InputWarning,
-                stacklevel=4,
+                stacklevel=5,
             )
 
 
@@ -189,7 +229,7 @@ def _clip_document(
     clip: LaidOut,
     measures: Mapping[str, float | None],
 ) -> dict[str, Any]:
-    """A clip's entry in the manifest, but for what its file holds."""
+    """A clip's entry in the manifest, but for its file; its `appearance` is what was asked for."""
     remark = resolved.remarks.get(method) if method else None
     return {
         "motion": resolved.name,
@@ -243,7 +283,7 @@ def _group_document(
 
 
 def _plain(report: Mapping[str, Any]) -> dict[str, Any]:
-    """What JSON can hold of a method's report: words and finite numbers, not whole curves."""
+    """What JSON can hold of a method's report: words, finite numbers, pieces; not whole curves."""
     values = {
         key: value.item() if isinstance(value, np.generic) else value
         for key, value in report.items()
@@ -251,16 +291,18 @@ def _plain(report: Mapping[str, Any]) -> dict[str, Any]:
     return {
         key: value
         for key, value in values.items()
-        if isinstance(value, bool | int | str) or (isinstance(value, float) and np.isfinite(value))
+        if isinstance(value, bool | int | str)
+        or (isinstance(value, float) and np.isfinite(value))
+        or key == "pieces"
     }
 
 
-_BODIES: dict[tuple[str, str], Body] = {}
+_BODIES: dict[tuple[str, Appearance], Body] = {}
 
 
-def _body(clip: Clip, style: str) -> Body:
-    """The body of a clip's skeleton, made once for a file and style in a process."""
-    key = (clip.sha256, style)
+def _body(clip: Clip, look: Appearance) -> Body:
+    """The body of a clip's skeleton, made once for a file and look in a process."""
+    key = (clip.sha256, look)
     if key not in _BODIES:
-        _BODIES[key] = make_body(clip.motion, style)
+        _BODIES[key] = make_body(clip.motion, look)
     return _BODIES[key]

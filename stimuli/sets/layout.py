@@ -16,6 +16,7 @@ from stimuli.motion.skeleton import Motion
 from stimuli.sets.plan import ResolvedPairing
 from stimuli.sets.refusals import RefusedError
 from stimuli.sets.spec import Pairing, SetSpec
+from stimuli.sets.ways import way_of
 from stimuli.transition import LONGEST, Transition, transition
 
 
@@ -70,6 +71,7 @@ def lay_out(
         a, b, i, j,
         method=method or "geodesic", specification=spec.specification,
         frames=length, smooth=spec.smooth, foot_lock=spec.foot_lock,
+        route=way_of(spec, pairing, library, method) if method else None,
     )  # fmt: skip
     start = i - at
     after = start + spec.frames - len(joined.motion)

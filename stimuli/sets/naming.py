@@ -26,7 +26,7 @@ from stimuli.motion.quaternions import Array
 from stimuli.motion.skeleton import Motion
 from stimuli.transition import METHODS, Transition
 
-RECIPE = 3  # raise it with any change of code that shows in a clip
+RECIPE = 4  # raise it with any change of code that shows in a clip
 DIGITS = 24  # of the hash that names a clip
 # Its edges are odd multiples of 2⁻¹³, thirteen decimals long: a number that somebody wrote with six
 # or fewer lies 1e-13 away from one at least, which is more than arithmetic differs by.
@@ -74,12 +74,14 @@ def axes(rotations: Array) -> Array:
 def joining(transition: Transition) -> dict[str, Any]:
     """The way two motions were joined and how long, alike for methods that share a way.
 
-    The whole numbers of a method's report are what else a way goes by: windows, schedules.
+    The whole numbers of a method's report are what else a way goes by: windows, schedules. The
+    pieces of a way through other motions are its clips, by name, and frames.
     """
     blend = METHODS[transition.method].blend
     way = next(name for name, method in METHODS.items() if method.blend is blend)
     chosen = {key: value for key, value in transition.report.items() if _whole(value)}
-    return {"way": way, "length": transition.frames, **chosen}
+    through = {"pieces": transition.report["pieces"]} if METHODS[way].through else {}
+    return {"way": way, "length": transition.frames, **chosen, **through}
 
 
 def same_pictures(motions: Sequence[Motion]) -> list[int]:

@@ -10,7 +10,8 @@ from stimuli.errors import InputError, InputWarning
 from stimuli.motion.library import Library
 from stimuli.sets.refusals import together
 from stimuli.sets.spec import Pairing, SetSpec
-from stimuli.transition import METHODS, Length, with_room
+from stimuli.sets.ways import way_of
+from stimuli.transition import METHODS, Length, blend_length, with_room
 from stimuli.transition.distance import check_pair
 
 
@@ -109,7 +110,8 @@ def chosen_length(spec: SetSpec, pairing: Pairing, library: Library, method: str
     b, j = with_room(library.load(pairing.to_clip).motion, pairing.to_frame)
     if method not in METHODS:
         raise InputError(f"expected methods among {', '.join(METHODS)}, found {method!r}.")
-    return METHODS[method].length(a, b, i, j, spec.specification)
+    route = way_of(spec, pairing, library, method)
+    return blend_length(a, b, i, j, method, spec.specification, route)
 
 
 def _faults(pairing: Pairing, library: Library) -> Iterator[str]:

@@ -19,6 +19,14 @@ class Pairing:
 
 
 @dataclass(frozen=True)
+class Through:
+    """The clips that ways lead through, by patterns of their names, and their graph's threshold."""
+
+    clips: tuple[str, ...]
+    tau: float = 1.0
+
+
+@dataclass(frozen=True)
 class SetSpec:
     """A whole set: for each pairing a clip of each method, or of each length around a reference.
 
@@ -39,7 +47,9 @@ class SetSpec:
     fps: int = 30
     smooth: bool = False
     foot_lock: bool = True
+    through: Through | None = None
     appearance: Appearance = field(default_factory=Appearance)
+    beside: int = 1  # clips that a screen shows side by side, which decides the best shape
 
     @property
     def frames(self) -> int:

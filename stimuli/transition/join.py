@@ -1,15 +1,18 @@
-"""What is to be joined, and two plain ways of joining: the cut and the linear blend."""
+"""What is to be joined, and three plain ways: the cut, the linear blend, by a route."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from stimuli.errors import InputError
 from stimuli.motion.skeleton import Motion
-from stimuli.transition.align import aligned
+from stimuli.transition.align import aligned, on_skeleton
 from stimuli.transition.blend import blend_linear, spliced
 from stimuli.transition.length import Length
+from stimuli.transition.route import Route, put_together
+from stimuli.transition.smooth import SPREAD_OVER, smoothed_cut
 from stimuli.transition.window import Fits, Window, longest_fitting, specified
 
 
@@ -28,7 +31,11 @@ class Joined(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Join:
-    """Frame i of `a` is to be joined with frame j of `b`, which is on the skeleton of `a`."""
+    """Frame i of `a` is to be joined with frame j of `b`, which is on the skeleton of `a`.
+
+    By some methods through other motions: then `route` says how, and `held` whether feet that stand
+    are held at each of its cuts.
+    """
 
     a: Motion
     b: Motion
@@ -37,6 +44,8 @@ class Join:
     specification: str
     length: Length
     smooth: bool
+    route: Route | None = None
+    held: bool = False
 
     @property
     def window(self) -> Window:
@@ -76,3 +85,25 @@ def join_linear(join: Join) -> Joined:
     window = join.fitting_window()
     motion = blend_linear(join.a, join.brought(window), window, join.smooth)
     return Joined(motion, (window.first, window.last))
+
+
+def join_route(join: Join) -> Joined:
+    """A[..i], the pieces of the route, the last of which ends with B[j], then B[j+1..].
+
+    Frames of A up to i stay as they are, unless a foot that stands is eased into being held.
+    """
+    assert join.route is not None, "a method that goes through other motions is given a route"
+    cutting = partial(smoothed_cut, keep=join.i + 1)
+    pieces = [
+        replace(piece, motion=on_skeleton(piece.motion, join.a.skeleton))
+        for piece in join.route.pieces
+    ]
+    motion, cuts = put_together(join.a[: join.i + 1], pieces, cutting, join.held)
+    end = join.i + join.route.frames
+    motion = cutting(motion, join.b, end, join.j)
+    last = min(max(end, max(cuts) + SPREAD_OVER), len(motion) - 1)
+    told = [
+        {"clip": piece.clip, "from_frame": piece.first, "to_frame": piece.last}
+        for piece in join.route.pieces
+    ]
+    return Joined(motion, (join.i + 1, last), report=MappingProxyType({"pieces": told}))

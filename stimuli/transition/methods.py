@@ -12,7 +12,7 @@ from stimuli.transition.align import on_skeleton
 from stimuli.transition.decay import decay_quintic, decay_spring
 from stimuli.transition.distance import check_pair
 from stimuli.transition.footlock import lock_feet
-from stimuli.transition.join import Join, Joined, join_cut, join_linear
+from stimuli.transition.join import Join, Joined, join_cut, join_linear, join_route
 from stimuli.transition.length import (
     GivenFunction,
     Length,
@@ -22,6 +22,7 @@ from stimuli.transition.length import (
     length_given,
     length_none,
 )
+from stimuli.transition.route import Route
 from stimuli.transition.schedule import given_per_joint, join_per_joint, length_per_joint
 from stimuli.transition.switch import (
     join_dead,
@@ -56,11 +57,34 @@ class Transition:
 
 @dataclass(frozen=True)
 class Method:
-    """A rule for the length of a blend, the way of blending, and what a given length means."""
+    """A rule for the length of a blend, the way of blending, and what a given length means.
+
+    A method that goes `through` other motions needs a collection of them, out of which its caller
+    has found a route: its length and how it is reached.
+    """
 
     length: LengthFunction
     blend: Callable[[Join], Joined]
     given: GivenFunction = length_given
+    through: bool = False
+
+
+def _length_unrouted(a: Motion, b: Motion, i: int, j: int, specification: str) -> Length:
+    """Two motions alone do not say how long a way through others is."""
+    raise InputError(
+        "motion-graph: expected a collection of clips through which a way leads, found none.\n"
+        "In a protocol give each set a table [sets.NAME.collection]; elsewhere name a directory "
+        "with --motions."
+    )
+
+
+def _given_unrouted(
+    a: Motion, b: Motion, i: int, j: int, specification: str, frames: int
+) -> Length:
+    raise InputError(
+        f"motion-graph: expected no length, which the shortest way has itself, found {frames}.\n"
+        "Leave it out."
+    )
 
 
 _geodesic_to_decay = partial(length_geodesic, fits=room_to_decay)
@@ -78,21 +102,38 @@ METHODS: Mapping[str, Method] = MappingProxyType(
         "inertialization": Method(_geodesic_to_decay, join_inertialized(decay_quintic)),
         "inertialization-spring": Method(_geodesic_to_decay, join_inertialized(decay_spring)),
         "dead-blending": Method(partial(length_geodesic, fits=room_to_extrapolate), join_dead),
+        "motion-graph": Method(_length_unrouted, join_route, _given_unrouted, through=True),
     }
 )
+PAIRWISE = tuple(name for name, method in METHODS.items() if not method.through)
 
 
 def blend_length(
-    a: Motion, b: Motion, i: int, j: int, method: str, specification: str = "start-end"
-) -> Length:
+    a: Motion, b: Motion, i: int, j: int, method: str, specification: str = "start-end",
+    route: Route | None = None,
+) -> Length:  # fmt: skip
     """How long a blend from frame i of `a` to frame j of `b` should last, by a method's own rule.
 
+    `route` is the way of methods that go through other motions.
     InputError for motions of different hierarchies, frames that do not exist, unknown names.
     """
     check_pair(a, b)
     check_frames(a, b, i, j)
     specified(specification)
-    return _method(method).length(a, b, i, j, specification)
+    way = _method(method)
+    if way.through and route is not None:
+        return _routed(route, specification)
+    return way.length(a, b, i, j, specification)
+
+
+def _routed(route: Route, specification: str) -> Length:
+    """The frames that a route takes, after which frame j of B is reached."""
+    if specification != "start-end":
+        raise InputError(
+            "motion-graph: expected the specification start-end, which leaves A at frame i and "
+            f"reaches frame j of B, found {specification}.\nBoth at one instant leave no way."
+        )
+    return Length(route.frames, {"cuts": route.cuts, "cuts_cost": round(route.cost, 6)})
 
 
 def transition(
@@ -106,25 +147,31 @@ def transition(
     frames: int | None = None,
     smooth: bool = False,
     foot_lock: bool = False,
+    route: Route | None = None,
 ) -> Transition:
     """Join frame i of `a` with frame j of `b`, as a method and a specification have it.
 
     `frames` is a length to use instead of the method's own. `smooth` eases the weights of the
-    methods that have weights by a smoothstep. `foot_lock` holds feet that stand. InputError for
+    methods that have weights by a smoothstep. `foot_lock` holds feet that stand. `route` is the way
+    from i to j of methods that go through other motions (`METHODS[method].through`). InputError for
     different hierarchies, unknown names, frames that do not exist and windows that leave a motion.
     """
     check_pair(a, b)
     check_frames(a, b, i, j)
     specified(specification)
     way = _method(method)
-    if frames is None:
+    if frames is None and way.through and route is not None:
+        length = _routed(route, specification)
+    elif frames is None:
         length = way.length(a, b, i, j, specification)
     else:
         length = way.given(a, b, i, j, specification, frames)
-    join = Join(a, on_skeleton(b, a.skeleton), i, j, specification, length, smooth)
+    join = Join(
+        a, on_skeleton(b, a.skeleton), i, j, specification, length, smooth, route, foot_lock
+    )
     motion, mixed, warped, settled = way.blend(join)
     played = warped or (a, b)
-    if foot_lock and length.frames:
+    if foot_lock and length.frames and not way.through:
         motion = lock_feet(motion, *played, _mixing(join, motion, mixed, len(played[1])))
     return Transition(
         motion,

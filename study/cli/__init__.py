@@ -19,6 +19,7 @@ COMMANDS = {
     "cost": "the cost of a transition between every two frames",
     "length": "how long a blend should last",
     "blend": "join two motions and write the result",
+    "graph": "motion graphs: build, show, search for demands, shortest path",
     "weights": "weights of the pose cost from labelled transitions",
     "render": "build or complete a protocol's stimulus set",
     "certify": "what a protocol will be able to show, before any session",

@@ -5,13 +5,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from stimuli.motion import Library, Motion
+    from stimuli.motion import Library
     from stimuli.transition import Transition
 
 
 METHOD_NAMES = (
     "cut", "fixed", "geodesic", "velocity", "velocity-speed", "timewarp", "per-joint",
-    "inertialization", "inertialization-spring", "dead-blending",
+    "inertialization", "inertialization-spring", "dead-blending", "motion-graph",
 )  # fmt: skip
 _SECONDS = 6.0  # of the clip around a cut that is looked for
 _LONGEST = 120.0
@@ -20,6 +20,7 @@ _LONGEST = 120.0
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     from study.cli.clips import add_point_arguments
     from study.cli.common import (
+        TAU,
         add_motions_option,
         add_specification_option,
         argument,
@@ -47,6 +48,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="of clip that such a cut has around it, half before and half after "
         f"(default {_SECONDS:g}; only there)",
     )
+    parser.add_argument(
+        "--tau", type=TAU, default=1.0,
+        help="cost below which motion-graph cuts, through all clips of --motions (default 1)",
+    )  # fmt: skip
     parser.add_argument("--smooth", action="store_true", help="ease the weights by a smoothstep")
     parser.add_argument("--no-foot-lock", action="store_true", help="let feet slide as they will")
     parser.add_argument(
@@ -66,18 +71,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     from study.cli.clips import names_frame, open_library
     from study.cli.common import check_outputs, print_json
+    from study.cli.writing import MOTION_FILES, write_motion
 
-    writers = {
-        ".bvh": _write_bvh, ".mp4": _write_video, ".mov": _write_video, ".mkv": _write_video,
-        ".glb": _write_figure,
-    }  # fmt: skip
     outputs = [args.out, *([args.out.with_suffix(".glb")] if args.glb else [])]
-    check_outputs(*(("--out", path, tuple(writers)) for path in outputs))
+    check_outputs(*(("--out", path, MOTION_FILES) for path in outputs))
     framed = names_frame(args.from_point) or names_frame(args.to_point)
     join = _join if framed or args.method != "cut" else _best_cut
     joined, (i, j) = join(args, open_library(args.motions))
     for path in dict.fromkeys(outputs):
-        writers[path.suffix.lower()](joined.motion, path)
+        write_motion(joined.motion, path)
     if args.json:
         print_json(
             {
@@ -126,6 +128,11 @@ def _join(args: argparse.Namespace, library: "Library") -> tuple["Transition", t
         )
     a, b = open_point(library, args.from_point), open_point(library, args.to_point)
     tell_warnings(a.clip, b.clip)
+    route = None
+    if args.method == "motion-graph":
+        from study.cli.collections import shortest_route
+
+        route = shortest_route(library, a, b, args.tau)
     joined = transition(
         a.motion,
         b.motion,
@@ -136,6 +143,7 @@ def _join(args: argparse.Namespace, library: "Library") -> tuple["Transition", t
         frames=args.frames,
         smooth=args.smooth,
         foot_lock=not args.no_foot_lock,
+        route=route,
     )
     return joined, (a.frame, b.frame)
 
@@ -157,25 +165,3 @@ def _best_cut(args: argparse.Namespace, library: "Library") -> tuple["Transition
     frames = round((args.seconds or _SECONDS) * a.motion.fps)
     joined, point = best_cut(a.motion, b.motion, weights, frames, specification=args.specification)
     return joined, (point.i, point.j)
-
-
-def _write_bvh(motion: "Motion", path: Path) -> None:
-    from stimuli.motion.formats.bvh_write import write_bvh
-
-    write_bvh(motion, path)
-
-
-def _write_video(motion: "Motion", path: Path) -> None:
-    from stimuli.render import write_clip
-
-    write_clip(motion, path)
-
-
-def _write_figure(motion: "Motion", path: Path) -> None:
-    from stimuli.render import Appearance
-    from stimuli.render.bodies import bone_motion, make_body
-    from stimuli.render.gltf import write_glb
-
-    look = Appearance()
-    body = make_body(motion, look.body)
-    write_glb(path, body, bone_motion(body, motion), motion.fps, look.colour)

@@ -34,10 +34,10 @@ def open_library(motions: list[Path] | None) -> "Library":
 
 def names_frame(text: str) -> bool:
     """Whether a word of the command line is CLIP:FRAME; a path may have colons of its own."""
-    return _named(text)[1] is not None
+    return split_point(text)[1] is not None
 
 
-def _named(text: str) -> tuple[str, int | None]:
+def split_point(text: str) -> tuple[str, int | None]:
     """The clip that a word of the command line names, and its frame where it names one."""
     from stimuli.motion.formats.words import whole_number
 
@@ -52,7 +52,7 @@ def open_point(library: "Library", text: str) -> Point:
     from stimuli.motion.formats.source import shown
     from stimuli.transition import with_room
 
-    name, frame = _named(text)
+    name, frame = split_point(text)
     if frame is None:
         raise InputError(f"{shown(text, 200)}: expected CLIP:FRAME, such as walk:42.")
     clip = library.load(name)

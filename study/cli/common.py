@@ -34,6 +34,7 @@ _FRAMES = argument(int, "a number of frames, 0 or more", lambda n: n >= 0)
 SEED = argument(int, "a whole number, 0 or more", lambda n: n >= 0)
 COUNT = argument(int, "a whole number, 1 or more", lambda n: n >= 1)
 VELOCITY = argument(float, f"a number from 0 to {HIGHEST:g}", lambda x: 0 <= x <= HIGHEST)
+TAU = argument(float, "a number above 0", lambda x: 0 < x < float("inf"))
 SIGMA = argument(float, "a finite number above 0", lambda x: 0 < x < float("inf"))
 
 

@@ -17,8 +17,9 @@ import os; os.environ["PYOPENGL_PLATFORM"] = "egl"
 from stimuli.render.appearance import Appearance
 from stimuli.render.scene import Renderer
 renderer = Renderer(Appearance(width=64, height=64))
+from stimuli.render.context import device_kinds
 from stimuli.render.device import listed
-told = f"{renderer.driver}; --device {listed()}"
+told = f"{renderer.driver}; --device {listed(device_kinds())}"
 renderer.close()
 print(told)
 """

@@ -177,7 +177,8 @@ def _write_strips(manifest: "Manifest") -> None:
         first, last = entry.document["mixed"]
         kind = entry.method or f"{entry.length:02d}"
         name = f"{entry.motion}-{kind}.png"
-        picture = strip(read_clip(entry), middle=(first + last) // 2)
+        frames = read_clip(entry)
+        picture = strip(frames, middle=(first + last) // 2, mixed=(first, last))
         write_png(manifest.directory / "strips" / name, picture)
 
 

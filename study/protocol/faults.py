@@ -10,10 +10,11 @@ from typing import Any, NamedTuple, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
+from stimuli.places import find_line
 from study.protocol.keys import KEY_NAMES
-from study.protocol.places import find_line
 from study.protocol.schema import Keys, ProtocolFile
 
+_NO_ROLES = ("about", "collection")  # keys of a set that are names of its own
 SOME_KEYS = ("1", "a", "left", "space", "return", "num_1", "f1")
 
 
@@ -166,7 +167,9 @@ def _motions(document: Mapping[str, Any]) -> Iterator[Fault]:
             )
     used = {pair.get(side) for pair in pairs for side in ("from", "to")} - {None}
     for chosen, table in table_at(document, "sets").items():
-        bound = {key for key in table if key != "about"} if isinstance(table, Mapping) else set()
+        bound = (
+            {key for key in table if key not in _NO_ROLES} if isinstance(table, Mapping) else set()
+        )
         for role in sorted(map(str, used - bound)):
             message = f"expected the role {role} bound to a clip and frame, found nothing; add it"
             yield Fault(("sets", chosen, role), message)
@@ -230,6 +233,18 @@ def _methods(document: Mapping[str, Any]) -> Iterator[Fault]:
     for method in given_methods(document):
         if method not in METHODS:
             yield Fault(("methods",), one_of(method, tuple(METHODS)))
+        elif METHODS[method].through:
+            yield from _through(document, method)
+
+
+def _through(document: Mapping[str, Any], method: str) -> Iterator[Fault]:
+    """A method that goes through other motions is told which, in every set."""
+    for name, table in table_at(document, "sets").items():
+        if isinstance(table, Mapping) and "collection" not in table:
+            message = f'{method} needs a collection of clips, such as clips = ["walk*"]; add it'
+            yield Fault(("sets", str(name), "collection"), message)
+    if table_at(document, "stimuli").get("specification", "start-end") != "start-end":
+        yield Fault(("stimuli", "specification"), f"{method} leaves and reaches: it is start-end")
 
 
 def _keys(document: Mapping[str, Any]) -> Iterator[Fault]:

@@ -142,11 +142,12 @@ def _looks(
         if clip.motion not in names:
             continue
         held = clip.document
+        looked = held.get("appearance", {})
         for key, now, then in (
-            *((key, value, held.get(key)) for key, value in said.items()),
-            *((key, value, held.get("appearance", {}).get(key)) for key, value in look.items()),
+            *((key, value, held[key]) for key, value in said.items() if key in held),
+            *((key, value, looked[key]) for key, value in look.items() if key in looked),
         ):
-            if then is not None and then != now:
+            if then != now:
                 told[_differs(f"rendered with {key} {_plain(then)}", _plain(now))] = None
     yield from told
 

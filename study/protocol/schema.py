@@ -1,6 +1,6 @@
 """What a protocol file may hold: one frozen model a table, every key with its bounds."""
 
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
@@ -78,24 +78,53 @@ class Stimuli(TomlTable):
         return (*self.pairs(rehearsal), *examples)
 
 
-class AppearanceTable(TomlTable):
-    """How a clip looks; the same for all clips of a group."""
+Dot = Literal[
+    "head", "neck", "pelvis", "shoulders", "elbows", "wrists", "hips", "knees", "ankles", "toes"
+]
 
-    width: Annotated[int, Field(ge=64, le=3840)] = 640
-    height: Annotated[int, Field(ge=64, le=2160)] = 480
+
+def _wide_enough(width: int) -> int:
+    if 0 < width < 64:
+        raise ValueError("expected 64 pixels or more, or 0 for as wide as the shape has it")
+    return width
+
+
+class AppearanceTable(TomlTable):
+    """How a clip looks; the same for all clips of a group. See `stimuli.render.appearance`."""
+
+    width: Annotated[int, Field(ge=0, le=3840), AfterValidator(_wide_enough)] = 0
+    height: Annotated[int, Field(ge=64, le=2160)] = 720
+    shape: Literal["best", "4:3", "16:9"] = "best"
+    picture_degrees: Annotated[float, Field(gt=0, le=120)] = 20.0
     background: Colour = (0.5, 0.5, 0.5)
-    body: str = "figure"
-    colour: Colour = (0.80, 0.76, 0.72)
-    view: Literal["best", "front-left", "front-right", "behind-left", "behind-right"] = "best"
-    azimuth: float = 35.0
+    supersample: Annotated[int, Field(ge=1, le=4)] = 1
+    camera: Literal["auto", "fixed", "pan", "follow"] = "auto"
+    direction: Annotated[float, Field(ge=-360, le=360)] | None = None
     elevation: Annotated[float, Field(ge=-80, le=80)] = 8.0
-    field_of_view: Annotated[float, Field(ge=5, le=90)] = 30.0
-    margin: Annotated[float, Field(ge=0, lt=0.5)] = 0.06
+    field_of_view: Annotated[float, Field(ge=5, le=90)] = 20.0
+    margin: Annotated[float, Field(ge=0, lt=0.5)] = 0.02
+    ground: Literal["none", "shadow", "grid"] = "none"
+    style: Literal["figure", "mannequin", "stick", "point-light"] = "figure"
+    colour: Colour = (0.80, 0.76, 0.72)
+    thickness: Annotated[float, Field(ge=0.5, le=2)] = 1.0
+    tint: Share = 0.0
+    foot_roll: Annotated[float, Field(ge=0, le=180)] | None = None
+    dots: Annotated[tuple[Dot, ...], Field(min_length=1)] = (
+        "head", "shoulders", "elbows", "wrists", "hips", "knees", "ankles",
+    )  # fmt: skip
+    dot_size: Positive = 0.25
+    dot_unit: Literal["degrees", "metres"] = "degrees"
+    control: Literal["none", "scrambled", "inverted", "phase-scrambled"] = "none"
+    control_seed: Annotated[int, Field(ge=0)] = 0
 
 
 class Presentation(TomlTable):
     """How a trial is put on the screen, and when it was shown too badly to count.
 
+    Pictures fill the share `clip_height` of the window's height, or of its width, as far as the
+    layout has room for them, but are never shown larger than pixel for pixel unless `enlarge`.
+    `viewing_distance` and `screen_width` (both cm) make degrees of visual angle of what is shown;
+    without a width the system's word for the screen is taken.
     `void` is a late frame in what a blend mixes, or more than `late_frames_allowed` in all.
     `slow_screen_allowed` lets a screen through that has fewer refreshes than the clips frames.
     """
@@ -103,7 +132,10 @@ class Presentation(TomlTable):
     layout: Literal["side-by-side", "one-after-other"] | None = None
     gap: Annotated[float, Field(ge=0, le=10)] = 0.5
     answer_seconds: Positive | None = None
-    clip_height: Annotated[float, Field(gt=0, le=1)] = 0.6
+    clip_height: Annotated[float, Field(gt=0, le=1)] = 0.95
+    enlarge: bool = False
+    viewing_distance: Annotated[float, Field(ge=10, le=1000)] = 57.0
+    screen_width: Annotated[float, Field(ge=5, le=1000)] | None = None
     void: Literal["late-in-blend", "late-frames", "never"] = "late-in-blend"
     late_frames_allowed: Annotated[int, Field(ge=0)] | None = None
     slow_screen_allowed: bool = False
@@ -208,12 +240,23 @@ class Role(TomlTable):
     frame: Annotated[int, Field(ge=0)]
 
 
+class CollectionTable(TomlTable):
+    """Clips by patterns of their names, through which ways lead by cuts that cost less than tau."""
+
+    clips: Annotated[tuple[Annotated[str, Field(min_length=1)], ...], Field(min_length=1)]
+    tau: Positive = 1.0
+
+
 class MotionSet(BaseModel):
-    """The clips behind the roles; `about` says how their frames were chosen."""
+    """The clips behind the roles; `about` says how their frames were chosen.
+
+    `collection` is what methods that go through other motions go through.
+    """
 
     model_config = ConfigDict(extra="allow", frozen=True)
     __pydantic_extra__: dict[str, Role] = Field(init=False)
     about: str = ""
+    collection: CollectionTable | None = None
 
     @property
     def roles(self) -> dict[str, Role]:
@@ -222,7 +265,13 @@ class MotionSet(BaseModel):
 
 
 class ProtocolFile(TomlTable):
-    """A study whole, as its TOML file has it: what any task may say; each task adds its own."""
+    """A study whole, as its TOML file has it: what any task may say; each task adds its own.
+
+    A screen of a trial shows `own_beside` clips side by side, a whole trial `own_clips`.
+    """
+
+    own_beside: ClassVar[int] = 1
+    own_clips: ClassVar[int] = 2
 
     name: Name
     title: str = ""
@@ -241,3 +290,9 @@ class ProtocolFile(TomlTable):
     rehearsal: Rehearsal = Rehearsal()
     observer: ObserverTable | None = None
     analysis: Analysis = Analysis()
+
+    @property
+    def beside(self) -> int:
+        """How many clips a screen shows side by side."""
+        layouts = {None: self.own_beside, "one-after-other": 1, "side-by-side": self.own_clips}
+        return layouts[self.presentation.layout]

@@ -42,11 +42,12 @@ def set_spec(
     protocol: Protocol, set_name: str | None, library: "Library", rehearsal: bool = False
 ) -> "SetSpec":
     """What the stimulus builder needs to know of a protocol; a rehearsal has one short motion."""
-    from stimuli.sets import Appearance, Pairing, SetSpec
+    from stimuli.sets import Appearance, Pairing, SetSpec, Through
 
     file = protocol.file
     stimuli = file.stimuli
-    roles = file.sets[choose_set(protocol, library, set_name)].roles
+    chosen = file.sets[choose_set(protocol, library, set_name)]
+    roles, collection = chosen.roles, chosen.collection
     pairings = tuple(
         Pairing(
             name=pair.name,
@@ -72,7 +73,9 @@ def set_spec(
         seconds=file.rehearsal.seconds if rehearsal else stimuli.seconds,
         smooth=stimuli.smooth,
         foot_lock=stimuli.foot_lock,
+        through=None if collection is None else Through(collection.clips, collection.tau),
         appearance=Appearance(**file.appearance.model_dump()),
+        beside=file.beside,
     )
 
 

@@ -10,7 +10,7 @@ from study.record.table import COMMON, FORMATS, MISSING
 from study.trials.plan import Plan
 from study.trials.tasks import Task, pages_of
 
-VERSIONS_OF = ("segue", "psychopy", "numpy", "scipy", "av", "psychtoolbox", "pyglet", "pyrender2")
+VERSIONS_OF = ("segue", "psychopy", "numpy", "scipy", "av", "psychtoolbox", "pyglet", "PyOpenGL")
 
 
 def sidecar_of(

@@ -9,7 +9,7 @@ from study.screen.clips import ClipFile, Decoder
 from study.screen.lost import tell_when_lost
 from study.screen.refresh import notes_on
 from study.screen.window import Look, WindowStage
-from study.session.lab import Request, clips_of, entry, shown_frames
+from study.session.lab import Request, entry, shown_frames
 from study.trials.plan import Plan
 from study.trials.tasks import Task
 from study.trials.trial import ClipKey
@@ -30,13 +30,17 @@ def open_window(
         told = clip.document.get("file_sha256")
         return ClipFile(clip.path, told, clip.frames, start, count, *manifest.size)
 
-    corner = _corner(lies(clips_of(plan)[0]))
     look = Look(
         keys=file.keys,
         gap=file.presentation.gap,
         clip_height=file.presentation.clip_height,
         fps=float(manifest.fps),
-        background=corner,
+        background=levels(manifest.background),
+        enlarge=file.presentation.enlarge,
+        viewing_distance=file.presentation.viewing_distance,
+        screen_width=file.presentation.screen_width,
+        picture=manifest.size,
+        beside=file.beside,
         pace=request.pace,
         simulated=request.observer == "simulated",
         interrupted=file.instructions.interrupted,
@@ -58,12 +62,7 @@ def open_window(
     return stage
 
 
-def _corner(clip: ClipFile) -> tuple[int, int, int]:
-    """The background of a clip: the corner of its first frame."""
-    from stimuli.render.video import wanted_frames
-    from stimuli.sets.masters import clip_content
-
-    content = clip_content(clip.path, clip.sha256)
-    frame = next(wanted_frames(clip.path, content, [0], clip.whole))
-    red, green, blue = (int(value) for value in frame[0, 0])
+def levels(colour: tuple[float, float, float]) -> tuple[int, int, int]:
+    """A colour 0..1 as pictures have it, in levels of 255."""
+    red, green, blue = (round(255 * share) for share in colour)
     return red, green, blue

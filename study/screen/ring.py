@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 MOST_BYTES = 400_000_000  # of all lanes, whatever the clips
 _AHEAD = 45  # frames of a clip that wait decoded, at most
 LANES = 8
-HEAD = 4096
+FIRST_BYTE = 4096
 TURN, BEGUN, MADE, DONE = 0, 1, 8, 16  # places among the numbers; those of lane n come n after
 
 
@@ -38,7 +38,7 @@ class Ring:
         self.path, self._owner = path or _made(), path is None
         with self.path.open("r+b") as stream:
             self._memory = mmap.mmap(stream.fileno(), 0)
-        self.numbers: NDArray[np.int64] = np.frombuffer(self._memory, np.int64, HEAD // 8)
+        self.numbers: NDArray[np.int64] = np.frombuffer(self._memory, np.int64, FIRST_BYTE // 8)
 
     def frames(self, lane: Lane) -> NDArray[np.uint8]:
         """The frames of a lane, (slots, height, width, 3), in place."""
@@ -57,7 +57,7 @@ def _made() -> Path:
     for folder in (Path("/dev/shm"), Path(tempfile.gettempdir())):
         if folder.is_dir() and os.access(folder, os.W_OK):
             handle, name = tempfile.mkstemp(prefix="segue-ring-", dir=folder)
-            os.truncate(handle, HEAD + MOST_BYTES)
+            os.truncate(handle, FIRST_BYTE + MOST_BYTES)
             os.close(handle)
             return Path(name)
     raise OSError("no folder for temporary files can be written")
@@ -65,7 +65,7 @@ def _made() -> Path:
 
 def lanes_for(shapes: list[tuple[int, int, int]], frames: int) -> list[Lane]:
     """Room for clips of these shapes, of so many frames each, within MOST_BYTES together."""
-    found, offset = [], HEAD
+    found, offset = [], FIRST_BYTE
     share = MOST_BYTES // max(len(shapes), 1)
     for number, shape in enumerate(shapes):
         size = int(np.prod(shape))

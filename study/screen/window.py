@@ -14,6 +14,7 @@ from study.screen.clips import ClipSource, Showable
 from study.screen.home import writable_home
 from study.screen.keyboards import open_keyboard
 from study.screen.panel import Panel
+from study.screen.placing import shown_sizes, side_by_side
 from study.screen.refresh import Refresh, refresh_of
 from study.screen.scales import Clicks, Row, draw_scale
 from study.screen.schedule import Due, frames_late, last_refresh, schedule
@@ -24,12 +25,15 @@ from study.trials.tasks import Screens
 _INK = (-0.85, -0.85, -0.85)
 READING_SECONDS = 1.5
 SPIN_SECONDS = 0.002
-ROW_GAP = 0.02
 
 
 @dataclass(frozen=True)
 class Look:
-    """How a window shows trials: keys, layout, gap (s), clip height as a share of the window."""
+    """How a window shows trials: keys, gap (s), the share of the window that clips may fill.
+
+    `picture` is the size of the clips, `beside` how many a screen shows, for the record alone;
+    `viewing_distance` and `screen_width` are in cm, a width of None being the system's to say.
+    """
 
     keys: Keys
     gap: float
@@ -38,6 +42,11 @@ class Look:
     background: tuple[int, int, int]
     pace: float = 1.0
     simulated: bool = False
+    enlarge: bool = False
+    viewing_distance: float = 57.0
+    screen_width: float | None = None
+    picture: tuple[int, int] | None = None
+    beside: int = 1
     interrupted: str = Instructions().interrupted
 
 
@@ -81,7 +90,21 @@ class WindowStage:
             **self._refresh.facts(),
             "fullscreen": bool(self._window._isFullScr),
             "keyboard": self._keyboard.timing()["keyboard"],
+            **self._clip_facts(),
         }
+
+    def _clip_facts(self) -> dict[str, object]:
+        look, picture = self._look, self._look.picture
+        if picture is None:
+            return {}
+        placing = side_by_side(self._size(), picture, look.beside, look.clip_height, look.enlarge)
+        screen = self._window.winHandle.screen
+        shown = shown_sizes(placing, screen, look.screen_width, look.viewing_distance)
+        return {"picture": dict(shown)}
+
+    def _size(self) -> tuple[int, int]:
+        width, height = (int(v) for v in self._window.size)
+        return width, height
 
     def timing(self) -> dict[str, object]:
         """How the keys were timed in this window so far, for the sidecar."""
@@ -185,7 +208,7 @@ class WindowStage:
         self, clips: Sequence[Showable], dues: Sequence[Due], label: str
     ) -> tuple[float, tuple[int, ...]]:
         """Show clips together, each frame when it is due; the onset, and which came late."""
-        look, size = self._look, tuple(int(v) for v in self._window.size)
+        look, size = self._look, self._size()
         width, height = clips[0].size
         panels = self._panels_for(len(clips), (height, width))
         for clip in clips:
@@ -193,7 +216,7 @@ class WindowStage:
         flips: list[float] = []
         for due in dues:
             for panel, clip in zip(panels, clips, strict=True):
-                panel.draw(clip.frame(due.frame), (size[0], size[1]))
+                panel.draw(clip.frame(due.frame), size)
             if due is dues[-1]:
                 self._leave_on_quit()
                 self._window.callOnFlip(self._keyboard.listen)
@@ -208,17 +231,11 @@ class WindowStage:
         return flips[0] - self._zero, late
 
     def _panels_for(self, count: int, shape: tuple[int, ...]) -> list[Panel]:
-        width, height = (float(v) for v in self._window.size)
-        tall = self._look.clip_height * height
-        wide = tall * shape[1] / shape[0]
-        room = (width * (1 - ROW_GAP * (count + 1))) / count
-        scale = min(1.0, room / wide)
-        wide, tall = wide * scale, tall * scale
-        step = wide + ROW_GAP * width
-        for n in range(count):
+        look, picture = self._look, (shape[1], shape[0])
+        placing = side_by_side(self._size(), picture, count, look.clip_height, look.enlarge)
+        for n, centre in enumerate(placing.centres):
             if (count, n, shape) not in self._panels:
-                centre = ((n - (count - 1) / 2) * step, 0.0)
-                self._panels[count, n, shape] = Panel(centre, (wide, tall))
+                self._panels[count, n, shape] = Panel(centre, placing.size)
         return [self._panels[count, n, shape] for n in range(count)]
 
     def _text(self, text: str, up: float = 0.0) -> None:

@@ -10,6 +10,7 @@ from typing import Any
 from stimuli.errors import InputError
 from study.protocol.faults import Fault, faults, one_of, tell_faults
 from study.protocol.protocol import Protocol, document_hash, protocol_text
+from study.protocol.remarks import tell_remarks
 from study.trials.tasks import TASKS
 
 
@@ -33,6 +34,7 @@ def parse_protocol(text: str, where: str = "protocol") -> Protocol:
     found = faults_of(document)
     if found:
         raise InputError(tell_faults(found, text, where))
+    tell_remarks(document, text, where)
     return protocol_of(document)
 
 

@@ -1,4 +1,6 @@
-"""Pictures: our renderer against pyrender as its examples use it, on the same walk."""
+"""Pictures: our renderer beside a bare moderngl program with the same triangles, and pyrender as
+its examples use it, on the same walk, seen by the same camera; how large figures are in pixels.
+"""
 
 import json
 import os
@@ -6,7 +8,9 @@ import statistics
 import subprocess
 import sys
 import time
+import warnings
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,31 +22,45 @@ FRAMES = 60
 RUNS = 3
 ROOT = Path(__file__).resolve().parents[2]
 WIDTH, HEIGHT = 640, 480
+BODY = "render one frame: skin, draw, read back"
 
 
 def rows() -> list[dict[str, Any]]:
-    """Milliseconds for one frame of a 640 × 480 picture, and of a lossless clip."""
-    ours, rival = (_measured(name) for name in ("ours", "rival"))
-    encoded = _measured("encoded")
+    """Milliseconds for one frame of a 640 × 480 picture, and how large the figure is in it."""
+    found = measured(("ours", "moderngl", "pyrender", "grid", "dots", "encoded"))
+    ours = found["ours"]
+    tall = _measured("pixels")
     return [
-        row("render one frame", ours, "ms", "pyrender: a node a part, a new scene a frame", rival,
-            faster=2.0),
-        row("render and encode one frame, FFV1", encoded, "ms"),
+        row(BODY, ours, "ms", "moderngl, the same triangles, skinned by NumPy", found["moderngl"],
+            faster=1 / 1.3),
+        row(BODY, ours, "ms", "pyrender: a node a part, a new scene a frame", found["pyrender"],
+            faster=1 / 0.12),
+        row("the same over a grid with a shadow", found["grid"], "ms", "without ground", ours,
+            faster=1 / 1.5),
+        row("point lights", found["dots"], "ms", "the body", ours, faster=1 / 0.5),
+        row("render and encode one frame, FFV1", found["encoded"], "ms"),
+        row("standing height in pixels, of what the camera says", tall, "share", "the camera", 1.0),
     ]  # fmt: skip
 
 
+def measured(names: tuple[str, ...]) -> dict[str, float]:
+    """The median of several runs of each, taken in turn, so that a busy spell meets them all."""
+    values: dict[str, list[float]] = {name: [] for name in names}
+    for _ in range(RUNS):
+        for name in names:
+            values[name].append(_measured(name))
+    return {name: float(statistics.median(found)) for name, found in values.items()}
+
+
 def _measured(name: str) -> float:
-    """The median of several runs, each in a process of its own, as contexts must not meet."""
+    """One run, in a process of its own, as contexts must not meet."""
     from stimuli.sets.workers import ENVIRONMENT
 
-    values = []
-    for _ in range(RUNS):
-        done = subprocess.run(
-            [sys.executable, "-m", "tests.benchmarks.render", name],
-            cwd=ROOT, env=os.environ | ENVIRONMENT, check=True, capture_output=True, text=True,
-        )  # fmt: skip
-        values.append(json.loads(done.stdout))
-    return float(statistics.median(values))
+    done = subprocess.run(
+        [sys.executable, "-m", "tests.benchmarks.render", name],
+        cwd=ROOT, env=os.environ | ENVIRONMENT, check=True, capture_output=True, text=True,
+    )  # fmt: skip
+    return float(json.loads(done.stdout))
 
 
 def _walk() -> Any:
@@ -52,19 +70,41 @@ def _walk() -> Any:
     return Motion(long.skeleton, long.rotations[:FRAMES], long.root[:FRAMES])
 
 
-def _ours() -> Callable[[], None]:
-    from stimuli.render import Appearance, group_camera
+def _look(**settings: Any) -> Any:
+    from stimuli.render import Appearance
+
+    return replace(Appearance(width=WIDTH, height=HEIGHT, camera="fixed"), **settings)
+
+
+def _camera() -> Any:
+    """That of the figure, for every rival and style."""
+    from stimuli.render import group_camera
+    from stimuli.render.bodies import make_body
+
+    walk = _walk()
+    return group_camera(make_body(walk, _look()), [walk], _look(), FRAMES // 2)
+
+
+def _drawing(**settings: Any) -> tuple[Any, Any, Any]:
+    """A renderer of the walk, its bones, and its ground."""
     from stimuli.render.bodies import bone_motion, make_body
+    from stimuli.render.clip import ground_motions
     from stimuli.render.scene import Renderer
 
-    walk, look = _walk(), Appearance(width=WIDTH, height=HEIGHT)
-    body = make_body(walk)
+    walk, look = _walk(), _look(**settings)
+    body = make_body(walk, look)
+    bones = bone_motion(body, walk)
     drawing = Renderer(look)
-    drawing.show(body.skin, group_camera(body, [walk], look, FRAMES // 2))
-    next(drawing.frames(bone_motion(body, walk)))
+    drawing.show(body.skin, _camera())
+    return drawing, bones, ground_motions(body, [walk], [bones], look)[0]
+
+
+def _ours(**settings: Any) -> Callable[[], None]:
+    drawing, bones, ground = _drawing(**settings)
+    drawing.draw(bones, 0, ground)
 
     def draw() -> None:
-        for _ in drawing.frames(bone_motion(body, walk)):
+        for _ in drawing.frames(bones, ground):
             pass
 
     return draw
@@ -73,38 +113,100 @@ def _ours() -> Callable[[], None]:
 def _encoded() -> Callable[[], None]:
     from tempfile import TemporaryDirectory
 
-    from stimuli.render import Appearance, group_camera, write_video
-    from stimuli.render.bodies import bone_motion, make_body
-    from stimuli.render.scene import Renderer
+    from stimuli.render import write_video
 
-    walk, look = _walk(), Appearance(width=WIDTH, height=HEIGHT)
-    body = make_body(walk)
-    drawing = Renderer(look)
-    drawing.show(body.skin, group_camera(body, [walk], look, FRAMES // 2))
-    next(drawing.frames(bone_motion(body, walk)))
+    drawing, bones, _ = _drawing()
+    drawing.draw(bones, 0)
 
     def draw() -> None:
         with TemporaryDirectory() as folder:
-            write_video(Path(folder) / "clip.mkv", drawing.frames(bone_motion(body, walk)), 30)
+            write_video(Path(folder) / "clip.mkv", drawing.frames(bones), 30)
 
     return draw
 
 
-def _rival() -> Callable[[], None]:
+VERTEX = """#version 330
+in vec3 place; in vec3 normal; in float openness;
+uniform mat4 whole; uniform vec3 key; uniform vec3 fill; uniform vec3 colour;
+centroid out vec3 shown;
+SHADE
+void main() {
+    gl_Position = whole * vec4(place, 1.0);
+    shown = colour * shade(normal, openness, key, fill);
+}
+"""
+FRAGMENT = """#version 330
+centroid in vec3 shown; out vec4 colour;
+void main() { colour = vec4(shown, 1.0); }
+"""
+
+
+def _moderngl() -> Callable[[], None]:
+    """The same skin, moved by NumPy, drawn whole and read back whole."""
+    import moderngl
+
+    from stimuli.render.bodies import bone_motion, make_body
+    from stimuli.render.light import FILL, KEY, SHADE, towards
+    from stimuli.render.rig import moved
+    from stimuli.render.scene import in_order, projection
+
+    walk, look, camera = _walk(), _look(), _camera()
+    body = make_body(walk, look)
+    skin, bones = body.skin, bone_motion(body, walk)
+    context = moderngl.create_standalone_context(backend="egl")
+    context.enable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
+    program = context.program(VERTEX.replace("SHADE", SHADE), FRAGMENT)
+    lens = projection(camera.field_of_view, WIDTH / HEIGHT) @ np.linalg.inv(camera.pose)
+    program["whole"].write(lens.T.astype("f4").tobytes())
+    for name, value in (("key", towards(KEY, camera.axes)), ("fill", towards(FILL, camera.axes))):
+        program[name].write(value.astype("f4").tobytes())
+    program["colour"].write(np.array(look.colour, "f4").tobytes())
+    rows = np.zeros((len(skin.points), 7), np.float32)
+    rows[:, 6] = skin.openness
+    buffer = context.buffer(rows.tobytes(), dynamic=True)
+    index = context.buffer(in_order(skin.faces).tobytes())
+    array = context.vertex_array(
+        program, [(buffer, "3f 3f 1f", "place", "normal", "openness")], index
+    )
+    size = (WIDTH, HEIGHT)
+    many = context.framebuffer(
+        context.renderbuffer(size, samples=4), context.depth_renderbuffer(size, samples=4)
+    )
+    one = context.framebuffer(context.renderbuffer(size))
+
+    def draw() -> None:
+        for frame in bones:
+            rows[:, :3], rows[:, 3:6] = moved(skin.weights, frame, skin.points, skin.normals)
+            buffer.write(rows)
+            many.use()
+            context.clear(*look.background)
+            array.render()
+            context.copy_framebuffer(one, many)
+            np.frombuffer(one.read(components=3), np.uint8).reshape(HEIGHT, WIDTH, 3)[::-1].copy()
+
+    draw()
+    return draw
+
+
+def import_pyrender() -> Any:
+    """pyrender for EGL, without the warnings of its imports."""
+    os.environ["PYOPENGL_PLATFORM"] = "egl"
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", category=DeprecationWarning, module=r"(OpenGL|pyrender)")
+        import pyrender
+    return pyrender
+
+
+def _pyrender() -> Callable[[], None]:
     """A capsule from each joint to its parent, each a node, in a scene made for each frame."""
     from stimuli.motion import forward
-    from stimuli.render import Appearance, group_camera
-    from stimuli.render.bodies import make_body
+    from stimuli.motion import quaternions as quat
     from stimuli.render.reference import swing
-    from stimuli.render.scene import import_pyrender
 
     pyrender = import_pyrender()
     import trimesh
 
-    from stimuli.motion import quaternions as quat
-
-    walk, look = _walk(), Appearance(width=WIDTH, height=HEIGHT, body="parts")
-    camera = group_camera(make_body(walk, "parts"), [walk], look, FRAMES // 2)
+    walk, look, camera = _walk(), _look(), _camera()
     positions, _ = forward(walk.skeleton, walk.rotations, walk.root)
     up = np.array([0.0, 0.0, 1.0])
     axes = np.eye(3)
@@ -116,7 +218,6 @@ def _rival() -> Callable[[], None]:
         bone: trimesh.creation.capsule(length, 0.05, count=[24, 24])
         for bone, length in lengths.items()
     }
-    os.environ["PYOPENGL_PLATFORM"] = "egl"
     offscreen = pyrender.OffscreenRenderer(WIDTH, HEIGHT)
 
     def picture(frame: int) -> None:
@@ -140,11 +241,39 @@ def _rival() -> Callable[[], None]:
     return draw
 
 
-PREPARED = {"ours": _ours, "encoded": _encoded, "rival": _rival}
+def pixels() -> float:
+    """Height in pixels of a body that stands where the walk begins, as a share of `size_of`."""
+    from stimuli.render.bodies import bone_motion, make_body
+    from stimuli.render.scene import Renderer
+
+    walk, look, camera = _walk(), _look(), _camera()
+    body = make_body(walk, look)
+    still = np.zeros((1, *bone_motion(body, walk).shape[1:]), np.float32)
+    still[..., 0] = 1.0
+    still[..., 5:] = walk.root[0] / 2
+    drawing = Renderer(look)
+    drawing.show(body.skin, camera)
+    picture = drawing.draw(still, 0)
+    tall = np.flatnonzero(np.any(picture != picture[0, 0], axis=(1, 2)))
+    said = float(camera.size_of(body.stature, walk.root[0]))
+    return float(np.ptp(tall) + 1) / HEIGHT / said
+
+
+PREPARED = {
+    "ours": _ours,
+    "moderngl": _moderngl,
+    "pyrender": _pyrender,
+    "grid": lambda: _ours(ground="grid"),
+    "dots": lambda: _ours(style="point-light"),
+    "encoded": _encoded,
+}
 
 
 def main(name: str) -> None:
-    """Print the milliseconds of one frame."""
+    """Print the milliseconds of one frame, or what else is asked for."""
+    if name == "pixels":
+        print(pixels(), flush=True)
+        os._exit(0)
     draw = PREPARED[name]()
     start = time.perf_counter()
     draw()

@@ -16,7 +16,7 @@ from stimuli.motion import Motion, forward
 from stimuli.motion import quaternions as quat
 from stimuli.transition import (
     LONGEST,
-    METHODS,
+    PAIRWISE,
     SPECIFICATIONS,
     blend_length,
     longest_fitting,
@@ -125,7 +125,7 @@ def test_a_captured_motion_joined_to_itself_where_it_continues_stays_itself(pair
     far = dict.fromkeys(SPECIFICATIONS, 0.0)
     for motion, specification, frames in product(motions, SPECIFICATIONS, (1, 5, 12, 24)):
         i = len(motion) // 2 - frames
-        for method in METHODS:
+        for method in PAIRWISE:
             cut = method == "cut"
             j = i if cut or specification == "center-aligned" else i + frames - 1
             done = transition(motion, motion, i, j, method=method, specification=specification,

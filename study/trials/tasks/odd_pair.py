@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from pydantic import Field
@@ -41,6 +41,9 @@ class OddPairObserver(ObserverTable):
 
 class OddPairFile(ProtocolFile):
     """A protocol of this task: staircases, or without them the method of constant stimuli."""
+
+    own_beside: ClassVar[int] = 2
+    own_clips: ClassVar[int] = 4
 
     staircase: StaircaseTable | None = None
     observer: OddPairObserver | None = None

@@ -11,7 +11,8 @@ from stimuli.errors import InputError
 from stimuli.motion import Motion, forward, load_clip, walker
 from stimuli.motion import quaternions as quat
 from stimuli.motion.kinematics import placed
-from stimuli.render.bodies import BODIES, Body, bone_motion, make_body
+from stimuli.render import Appearance
+from stimuli.render.bodies import STYLES, Body, bone_motion, make_body
 from stimuli.render.field import body_distance
 from stimuli.render.landmarks import landmarks
 from stimuli.render.parts import body_parts
@@ -36,7 +37,7 @@ def walking() -> Motion:
 
 @lru_cache(maxsize=2)
 def built(style: str) -> Body:
-    return make_body(walking(), style)
+    return make_body(walking(), Appearance(style=style))
 
 
 def body(style: str = "figure") -> Body:
@@ -79,7 +80,7 @@ def test_the_figure_has_the_volume_of_a_slim_adult() -> None:
     assert 45 < litres < 80
 
 
-@pytest.mark.parametrize("style", BODIES)
+@pytest.mark.parametrize("style", STYLES)
 def test_weights_sum_to_one_and_normals_are_unit(style: str) -> None:
     skin = body(style).skin
     np.testing.assert_allclose(skin.weights.sum(axis=1), 1.0, atol=1e-5)
@@ -136,8 +137,8 @@ def test_other_skeletons_stand_upright_with_their_joints_inside(name: str, motio
 
 
 def test_an_unknown_style_is_refused_with_the_known_ones() -> None:
-    with pytest.raises(InputError, match="figure, parts"):
-        make_body(walking(), "skeleton")
+    with pytest.raises(InputError, match="figure, mannequin, stick, point-light"):
+        make_body(walking(), Appearance(style="skeleton"))
 
 
 def test_a_swing_takes_one_direction_to_another() -> None:

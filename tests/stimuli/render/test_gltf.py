@@ -12,6 +12,7 @@ from platformdirs import user_cache_path
 
 from stimuli.motion import Motion, forward, walker
 from stimuli.motion import quaternions as quat
+from stimuli.render import Appearance
 from stimuli.render.bodies import Body, bone_motion, make_body
 from stimuli.render.gltf import influences, joint_tracks, write_glb
 from stimuli.render.rig import moved
@@ -29,9 +30,9 @@ def walk() -> Motion:
     return walker(0)
 
 
-@pytest.fixture(scope="module", params=["figure", "parts"])
+@pytest.fixture(scope="module", params=["figure", "mannequin"])
 def body(walk: Motion, request: pytest.FixtureRequest) -> Body:
-    return make_body(walk, request.param)
+    return make_body(walk, Appearance(style=request.param))
 
 
 @pytest.fixture(scope="module")

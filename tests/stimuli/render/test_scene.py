@@ -38,7 +38,7 @@ def draw(directory: Path, name: str, **look: object) -> np.ndarray:
 
 @lru_cache(maxsize=1)
 def pictures(directory: Path) -> np.ndarray:
-    return draw(directory, "first", width=160, height=120, body="parts")
+    return draw(directory, "first", width=160, height=120, camera="fixed", style="mannequin")
 
 
 @pytest.fixture(scope="module")
@@ -49,7 +49,7 @@ def drawn(tmp_path_factory: pytest.TempPathFactory) -> np.ndarray:
 def test_another_process_draws_the_same_bytes_and_writes_them_to_its_clip(
     drawn: np.ndarray, tmp_path: Path
 ) -> None:
-    again = draw(tmp_path, "second", width=160, height=120, body="parts")
+    again = draw(tmp_path, "second", width=160, height=120, camera="fixed", style="mannequin")
     np.testing.assert_array_equal(again, drawn)
 
 
@@ -76,6 +76,8 @@ def test_edges_are_antialiased(drawn: np.ndarray) -> None:
 
 
 def test_background_colour_and_body_are_settings(tmp_path: Path) -> None:
-    frames = draw(tmp_path, "other", width=96, height=96, background=[0.2, 0.4, 0.6])
+    frames = draw(
+        tmp_path, "other", width=96, height=96, camera="fixed", background=[0.2, 0.4, 0.6]
+    )
     assert tuple(frames[0, 0, 0]) == (51, 102, 153)
     assert np.any(frames[0] != frames[0, 0, 0])

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from stimuli.errors import InputError
 from stimuli.render import decode_video, strip, write_png, write_video
+from stimuli.render.strip import FOOT, chosen_frames
 
 
 def noise(frames: int = 5, height: int = 48, width: int = 64, seed: int = 0) -> np.ndarray:
@@ -94,7 +95,7 @@ def test_a_strip_shows_what_moves(tmp_path: Path) -> None:
     for frame in range(40):
         frames[frame, 20:40, 80 + frame : 90 + frame] = 255
     picture = strip(frames, 5)
-    assert picture.shape[0] == 60
+    assert picture.shape[0] == 60 + FOOT
     assert picture.shape[1] % 5 == 0
     assert picture.shape[1] // 5 < 200
     assert (strip(frames, 5, middle=20) == 255).any()
@@ -106,7 +107,20 @@ def test_a_strip_shows_what_moves(tmp_path: Path) -> None:
 
 def test_a_strip_of_nothing_is_background() -> None:
     still = np.full((4, 20, 30, 3), 128, np.uint8)
-    assert strip(still, 3).shape == (20, 90, 3)
+    assert np.all(strip(still, 3)[:20] == 128)
+    assert strip(still, 3).shape == (20 + FOOT, 90, 3)
+
+
+def test_a_strip_numbers_its_frames_and_marks_the_blend() -> None:
+    frames = np.full((90, 40, 60, 3), 128, np.uint8)
+    chosen = chosen_frames(90, 6, 45)
+    foot = strip(frames, 6, middle=45, mixed=(chosen[2], chosen[3] + 1))[40:]
+    marked = [bool(np.any(cell[0] != 128)) for cell in np.split(foot, 6, axis=1)]
+    assert marked == [False, False, True, True, False, False]
+    plain = strip(frames, 6, middle=45)[40:]
+    numbers = list(np.split(plain, 6, axis=1))
+    assert all(np.any(cell < 100) for cell in numbers)
+    assert len({cell.tobytes() for cell in numbers}) == 6
 
 
 @pytest.mark.parametrize(("mask", "mode"), [(0o077, 0o600), (0o027, 0o640), (0o022, 0o644)])

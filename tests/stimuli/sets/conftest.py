@@ -7,7 +7,7 @@ import pytest
 from stimuli.motion import Library, write_walker
 from stimuli.sets import Appearance, Pairing, SetSpec
 
-SMALL = Appearance(width=96, height=72, body="parts")
+SMALL = Appearance(width=96, height=72, camera="fixed", style="mannequin")
 
 
 @pytest.fixture(scope="session")

@@ -12,19 +12,20 @@ import sys
 import tempfile
 import warnings
 from collections.abc import Iterator
+from functools import lru_cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 import protocols
 from stimuli.motion import Library, Motion, forward, user_library, walker, write_walker
 from stimuli.render import Appearance, group_camera, render_frames
-from stimuli.render.bodies import BODIES, make_body
-from stimuli.sets import resolve
-from stimuli.sets.group import plan_group
+from stimuli.render.bodies import STYLES, bone_motion, make_body
+from stimuli.render.pointlight import CONTROLS
+from stimuli.render.staging import CAMERAS
+from stimuli.sets.group import PlannedGroup, plan_groups
 from stimuli.sets.naming import RECIPE, digest
-from stimuli.transition import METHODS, SPECIFICATIONS, transition, with_room
+from stimuli.transition import PAIRWISE, SPECIFICATIONS, transition, with_room
 from study.protocol.sets import set_spec
 from study.trials.reading import load_protocol
 from tests.conftest import SHARED
@@ -42,24 +43,33 @@ def figure(values: np.ndarray) -> float:
 
 
 def figures() -> dict[str, float]:
-    """Of joins in every way, of both kinds of body, and of the camera."""
+    """Of joins in every way, of every style of body, and of every camera."""
     a, i = with_room(walker(0), 12)
     b, j = with_room(walker(1), 20)
     found = {}
     for method, specification, lock in (
-        (m, s, lock) for m in METHODS for s in SPECIFICATIONS for lock in (False, True)
+        (m, s, lock) for m in PAIRWISE for s in SPECIFICATIONS for lock in (False, True)
     ):
         for smooth in (False, True):
             done = transition(a, b, i, j, method=method, specification=specification,
                               smooth=smooth, foot_lock=lock)  # fmt: skip
             key = f"{method}, {specification}{', smooth' * smooth}{', held' * lock}"
             found[key] = figure(positions(done.motion)[i - 20 : i + 80])
-    for style in BODIES:
-        skin = make_body(walker(0), style).skin
+    for style in STYLES:
+        skin = make_body(walker(0), Appearance(style=style)).skin
         parts = (skin.points, skin.normals, skin.weights, skin.openness)
         found[f"body {style}"] = sum(figure(part) for part in parts) + skin.faces.sum() / 1e9
-    camera = group_camera(make_body(walker(0), "parts"), [walker(0)], Appearance(), 5)
-    found["camera"] = figure(np.array([*camera.position, camera.yaw, camera.elevation]))
+    body = make_body(walker(0), Appearance(style="mannequin"))
+    for kind in CAMERAS:
+        look = Appearance(style="mannequin", camera=kind, width=640, height=480)
+        camera = group_camera(body, [walker(0)], look, 5)
+        moves = [value for move in camera.moves for value in move]
+        found[f"camera {kind}"] = figure(
+            np.array([*camera.position, camera.yaw, camera.elevation, *moves])
+        )
+    for control in CONTROLS:
+        dots = make_body(walker(0), Appearance(style="point-light", control=control))
+        found[f"dots {control}"] = figure(bone_motion(dots, walker(0)))
     return found
 
 
@@ -70,8 +80,8 @@ def positions(motion: Motion) -> np.ndarray:
 def shades() -> list[list[float]]:
     """Mean red, green and blue of a figure from head to foot, and its share of the picture (%)."""
     pictures = []
-    for style in BODIES:
-        look = Appearance(width=240, height=180, body=style)
+    for style in STYLES:
+        look = Appearance(width=240, height=180, camera="fixed", ground="grid", style=style)
         picture = next(iter(render_frames(walker(0)[:3], look))).astype(float)
         shown = np.any(picture != picture[0, 0], axis=-1)
         rows = np.array_split(np.flatnonzero(shown.any(axis=1)), BANDS)
@@ -83,12 +93,14 @@ def shades() -> list[list[float]]:
 def names(captured: bool = True) -> dict[str, str]:
     """A digest of the clips' names of each shipped protocol's sets."""
     return {
-        key: digest([clip.hash for clip in clips])[:24] for key, clips in planned(captured).items()
+        key: digest([clip.hash for group in groups for clip in group.clips])[:24]
+        for key, groups in planned(captured).items()
     }
 
 
-def planned(captured: bool = True) -> dict[str, list[Any]]:
-    """The clips of each shipped protocol's sets, planned, as far as there are motions.
+@lru_cache(maxsize=1)
+def planned(captured: bool = True) -> dict[str, list[PlannedGroup]]:
+    """The groups of each shipped protocol's sets, planned, as far as there are motions.
 
     Those of captured motion that is not fetched only if asked for: they take as long as the rest.
     """
@@ -96,12 +108,9 @@ def planned(captured: bool = True) -> dict[str, list[Any]]:
         warnings.simplefilter("ignore")
         libraries = dict(_libraries(Path(folder), captured))
         return {
-            f"{path.stem}, {name}": [
-                clip
-                for spec in [set_spec(protocol, name, libraries[name])]
-                for resolved in resolve(spec, libraries[name])
-                for clip in plan_group(spec, resolved, libraries[name]).clips
-            ]
+            f"{path.stem}, {name}": plan_groups(
+                set_spec(protocol, name, libraries[name]), libraries[name]
+            )
             for path in sorted(Path(protocols.__file__).parent.glob("*.toml"))
             for protocol in [load_protocol(str(path))]
             for name in protocol.file.sets

@@ -148,7 +148,8 @@ from stimuli.motion import Library
 pairing = Pairing("walk", "generated-walker-0", 12, "generated-walker-1", 20)
 spec = SetSpec("tiny", (pairing,), "center-aligned", reference=6, shorter=tuple(range(1, 6)),
                longer=tuple(range(1, 7)), seconds=0.5,
-               appearance=Appearance(width=96, height=72, body="parts"))
+               appearance=Appearance(width=96, height=72, camera="fixed",
+                                     style="mannequin"))
 if __name__ == "__main__":
     print(build(spec, Library([Path(sys.argv[1])]), Path(sys.argv[2]), workers=1).rendered)
 """
@@ -227,7 +228,7 @@ def test_the_manifest_says_what_each_clip_is_made_of(
     clip = document["clips"][0]
     assert clip["file"] == f"clips/{clip['hash']}.mov"
     assert clip["specification"] == "center-aligned"
-    assert clip["appearance"]["body"] == "parts"
+    assert clip["appearance"]["style"] == "mannequin"
     assert document["format"] == 2
     shifts = {c["length"]: c["measures"]["displacement_from_reference"] for c in document["clips"]}
     assert shifts[6] == 0

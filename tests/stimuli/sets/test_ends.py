@@ -47,12 +47,12 @@ def test_in_the_picture_lengths_differ_in_the_blend_alone(library: Library) -> N
     pairing = Pairing("m", "generated-walker-0", 3, "generated-walker-1", 20)
     spec = SetSpec(
         "s", (pairing,), "center-aligned", reference=10, shorter=(8,), foot_lock=False,
-        appearance=Appearance(width=96, height=72, body="parts"),
+        appearance=Appearance(width=96, height=72, style="mannequin"),
     )  # fmt: skip
     resolved = resolve(spec, library)[0]
     group = plan_group(spec, resolved, library)
     clip, reference = (each.laid_out for each in group.clips)
-    found = picture_displacements(clip, reference, group.camera)
+    found = picture_displacements(clip, reference, group.camera, 20.0)
     assert found["picture_before"] == found["picture_after"] == 0.0
     metres = group.clips[0].document["measures"]["displacement_from_reference"]
     away = np.linalg.norm(np.array(group.camera.position) - reference.motion.root[90])

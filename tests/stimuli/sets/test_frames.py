@@ -32,7 +32,7 @@ def group(spec: SetSpec, library: Library) -> PlannedGroup:
 
 
 def jobs(group: PlannedGroup) -> list[tuple[str, list[bytes], DrawJob]]:
-    return list(jobs_of(group.scenery, [(clip.hash, clip.bones) for clip in group.clips]))
+    return list(jobs_of(group.scenery, [(c.hash, c.bones, c.ground) for c in group.clips]))
 
 
 def test_each_frame_is_drawn_once_and_only_blends_differ(group: PlannedGroup) -> None:
@@ -57,7 +57,8 @@ def test_a_frame_drawn_once_is_what_each_clip_would_have_drawn(group: PlannedGro
     renderer = Renderer(group.scenery.look)
     renderer.show(group.body.skin, group.camera)
     for clip, (_, keys, _) in zip(group.clips, jobs(group), strict=True):
-        alone = [hashlib.sha256(picture.data).digest() for picture in renderer.frames(clip.bones)]
+        pictures = renderer.frames(clip.bones, clip.ground)
+        alone = [hashlib.sha256(picture.data).digest() for picture in pictures]
         assert alone == [digests[key] for key in keys]
     renderer.close()
 
@@ -202,13 +203,12 @@ import numpy as np
 from stimuli.motion import walker
 from stimuli.render import Appearance, group_camera
 from stimuli.render.bodies import bone_motion, make_body
-from stimuli.render.scene import Renderer, import_pyrender
-import_pyrender()
-import pyrender.renderer
-storage = pyrender.renderer.glRenderbufferStorageMultisample
-pyrender.renderer.glRenderbufferStorageMultisample = (
-    lambda target, samples, *rest: storage(target, 0, *rest))
-walk, look = walker(0), Appearance(width=320, height=240)
+from stimuli.render.context import import_gl
+from stimuli.render.scene import Renderer
+gl = import_gl()
+storage = gl.glRenderbufferStorageMultisample
+gl.glRenderbufferStorageMultisample = lambda target, samples, *rest: storage(target, 0, *rest)
+walk, look = walker(0), Appearance(width=320, height=240, camera="fixed")
 body = make_body(walk)
 drawing = Renderer(look)
 drawing.show(body.skin, group_camera(body, [walk], look, 5))

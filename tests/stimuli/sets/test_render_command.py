@@ -1,6 +1,7 @@
 """`segue render`, as a person calls it."""
 
 import json
+import re
 import shutil
 from collections import Counter
 from pathlib import Path
@@ -21,7 +22,8 @@ def protocol(tmp_path: Path) -> Path:
     text = shipped()["jnd-center"].read_text(encoding="utf-8")
     text = text.replace("lengths = [2, 4, 6, 8, 12, 14, 16, 18, 20, 22]", "lengths = [8, 12]")
     text = text.replace("reference = 10", "reference = 10\nseconds = 0.5", 1)
-    text += '\n[appearance]\nwidth = 96\nheight = 72\nbody = "parts"\n'
+    small = 'width = 96\nheight = 72\nstyle = "mannequin"\ncamera = "fixed"\n'
+    text = re.sub(r"\[appearance\]\n(?:[^\[\n].*\n)*", f"[appearance]\n{small}", text)
     path = tmp_path / "tiny.toml"
     path.write_text(text, encoding="utf-8")
     return path

@@ -62,7 +62,8 @@ def manifest(tmp_path_factory: pytest.TempPathFactory) -> Manifest:
     one = Pairing("<there>", "generated-walker-0", 12, "generated-walker-1", 20, "locomotion")
     spec = SetSpec(
         "tiny", (one, replace(one, name="back", from_frame=30)), methods=("fixed", "velocity"),
-        seconds=0.5, foot_lock=False, appearance=Appearance(width=120, height=90, body="parts"),
+        seconds=0.5, foot_lock=False,
+        appearance=Appearance(width=120, height=90, style="mannequin"),
     )  # fmt: skip
     return build(spec, Library([folder / "walkers"]), folder / "set", workers=1)
 

@@ -16,7 +16,7 @@ from stimuli.motion import quaternions as quat
 from stimuli.transition import transition, with_room
 from stimuli.transition.hold import FAINT, slid
 from stimuli.transition.ik import bend_axis, reach_out
-from stimuli.transition.methods import METHODS
+from stimuli.transition.methods import PAIRWISE
 from stimuli.transition.plants import leg_pose
 from tests.conftest import SHARED
 
@@ -107,7 +107,7 @@ def test_joins_of_nearly_the_same_motions_are_nearly_the_same(
     assert np.quantile(gains, 0.9) < USUALLY
 
 
-@pytest.mark.parametrize("method", [name for name in METHODS if name != "cut"])
+@pytest.mark.parametrize("method", [name for name in PAIRWISE if name != "cut"])
 def test_a_motion_that_goes_on_into_itself_is_left_as_it_is(
     clips: list[Motion], method: str
 ) -> None:

@@ -11,7 +11,7 @@ from stimuli.motion import Motion
 from stimuli.motion import quaternions as quat
 from stimuli.motion.kinematics import headings, placed
 from stimuli.transition import (
-    METHODS,
+    PAIRWISE,
     SPECIFICATIONS,
     Transition,
     blend_length,
@@ -77,7 +77,7 @@ def test_a_cut_goes_from_frame_i_to_frame_j_plus_one(bodies):
 
 
 @pytest.mark.parametrize("specification", SPECS)
-@pytest.mark.parametrize("method", [m for m in METHODS if m != "dead-blending"])
+@pytest.mark.parametrize("method", [m for m in PAIRWISE if m != "dead-blending"])
 def test_a_motion_joined_to_itself_where_it_continues_stays_itself(bodies, method, specification):
     a, i = bodies.wandering(90, 3), 30
     for frames in (1, 4, 9, 20):
@@ -101,7 +101,7 @@ def test_dead_blending_deviates_by_what_it_extrapolates_and_no_more(bodies, spec
     assert apart[last + 1 :].max() < 1e-7
 
 
-@pytest.mark.parametrize("method", list(METHODS))
+@pytest.mark.parametrize("method", list(PAIRWISE))
 @pytest.mark.parametrize("specification", SPECS)
 def test_every_method_joins_two_motions_and_says_what_it_mixed(bodies, method, specification):
     a, b = bodies.wandering(130, 4), bodies.wandering(130, 5)
@@ -116,7 +116,7 @@ def test_every_method_joins_two_motions_and_says_what_it_mixed(bodies, method, s
     assert done.frames == blend_length(a, b, 62, 66, method, specification).frames
 
 
-@pytest.mark.parametrize("method", [m for m in METHODS if m != "cut"])
+@pytest.mark.parametrize("method", [m for m in PAIRWISE if m != "cut"])
 @pytest.mark.parametrize("specification", SPECS)
 def test_anywhere_a_method_joins_by_its_own_length_or_says_that_there_is_no_room(
     bodies, method, specification
@@ -135,7 +135,7 @@ def test_anywhere_a_method_joins_by_its_own_length_or_says_that_there_is_no_room
     assert joined > 20
 
 
-@pytest.mark.parametrize("method", [m for m in METHODS if m != "cut"])
+@pytest.mark.parametrize("method", [m for m in PAIRWISE if m != "cut"])
 @pytest.mark.parametrize("specification", SPECS)
 def test_anywhere_a_given_length_is_kept_or_refused_with_the_longest_that_there_is(
     bodies, method, specification

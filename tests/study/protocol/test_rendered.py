@@ -110,7 +110,7 @@ def test_a_set_of_the_protocol_is_shown(tmp_path: Path, text: str) -> None:
         (LENGTHS, ("reference = 10", "reference = 12"), "length 10, the protocol says 12"),
         (LENGTHS, ("reference = 10", 'specification = "center-aligned"\nreference = 10'),
          "start-end, the protocol says center-aligned"),
-        (LENGTHS, ("[sets.first]", "[appearance]\nwidth = 320\n[sets.first]"), "width 640, .* 320"),
+        (LENGTHS, ("[sets.first]", "[appearance]\nwidth = 320\n[sets.first]"), "width 0, .* 320"),
         (LENGTHS, ('name = "n"', 'name = "o"'), "no motion o of the protocol"),
         (METHODS, ('"fixed"]', '"velocity"]'), "by geodesic, fixed, .* says geodesic, velocity"),
     ],

@@ -13,7 +13,7 @@ import pytest
 from stimuli.errors import InputError, MachineError
 from stimuli.render import write_video
 from study.screen.clips import ClipFile, Decoder
-from study.screen.ring import HEAD, MOST_BYTES, lanes_for
+from study.screen.ring import FIRST_BYTE, MOST_BYTES, lanes_for
 from study.trials.trial import ClipKey
 
 A, B = ClipKey("a"), ClipKey("b")
@@ -127,5 +127,5 @@ def test_memory_is_bounded_whatever_the_clips(shape: tuple[int, int, int], lanes
     found = lanes_for([shape] * lanes, 180)
     ends = [lane.offset + lane.slots * int(np.prod(shape)) for lane in found]
     assert all(end <= lane.offset for end, lane in zip(ends, found[1:], strict=False))
-    assert ends[-1] <= HEAD + MOST_BYTES
+    assert ends[-1] <= FIRST_BYTE + MOST_BYTES
     assert min(lane.slots for lane in found) >= 2

@@ -419,7 +419,9 @@ frames = {
     "b": np.full((5, 60, 80, 3), (40, 40, 200), np.uint8),
 }
 frames["a"][:, :10] = (250, 250, 0)
-look = Look(Keys(), 0.0, 0.6, 30.0, (127, 127, 127), simulated=True, pace=5.0)
+look = Look(
+    Keys(), 0.0, 0.6, 30.0, (127, 127, 127), simulated=True, pace=5.0, enlarge=True
+)
 clips = Held({ClipKey(name): clip for name, clip in frames.items()})
 stage = WindowStage(look, clips, None, windowed=True)
 pictures = []
@@ -464,7 +466,7 @@ for key, first in ((A, 10), (B, 140)):
     values = np.arange(first, first + 90, dtype=np.uint8)
     write_video(path, np.broadcast_to(values[:, None, None, None], (90, 60, 80, 3)), 30.0)
     files[key] = ClipFile(path, None, 90, 0, 90, 80, 60)
-look = Look(Keys(), 0.1, 0.6, 30.0, (127, 127, 127), simulated=True)
+look = Look(Keys(), 0.1, 0.6, 30.0, (127, 127, 127), simulated=True, enlarge=True)
 stage = WindowStage(look, Decoder(files.__getitem__), None, windowed=True)
 width, height = (int(v) for v in stage._window.size)
 flip, shown = stage._flip, []

@@ -115,8 +115,9 @@ def drill(random: int) -> dict[str, Any]:
     """Kill a session at every step and `random` times: how often, and what was wrong."""
     with tempfile.TemporaryDirectory(prefix="segue-") as folder:
         first = Path(folder) / "whole"
-        start = time.perf_counter()
         session(first)
+        start = time.perf_counter()
+        session(Path(folder) / "again")
         lasts = time.perf_counter() - start
         whole = kept(first)
         told: list[str] = []
@@ -129,10 +130,13 @@ def drill(random: int) -> dict[str, Any]:
             if wrong := fault(data, whole):
                 told.append(f"step {steps}: {wrong}")
             shutil.rmtree(data, ignore_errors=True)
-        times = 0
-        for seconds in np.random.default_rng(1).uniform(0.01, 1.0, random) * lasts:
-            data = Path(folder) / "time"
-            times += killed(data, after(float(seconds)))
+        times, generator = 0, np.random.default_rng(1)
+        while times < random:
+            data, seconds = Path(folder) / "time", float(generator.uniform(0.01, 1.0) * lasts)
+            if killed(data, after(seconds)):
+                times += 1
+            else:
+                lasts *= 0.9  # the session was over before its end
             if wrong := fault(data, whole):
                 told.append(f"{seconds:.4f} s: {wrong}")
             shutil.rmtree(data, ignore_errors=True)

@@ -81,7 +81,7 @@ def test_rendering_says_how_long_a_session_is(
         write_walker(tmp_path / "motions", seed)
     clips = PREFERENCE.replace('"x"', '"generated-walker-0"').replace('"y"', '"generated-walker-1"')
     path = tmp_path / "pairs.toml"
-    path.write_text(clips)
+    path.write_text(clips + '[appearance]\ncamera = "fixed"\n')
     words = ["render", str(path), "--motions", str(tmp_path / "motions"), "--dry-run"]
     assert main(words) == 0
     assert "a session has 24 trials and takes about 5 minutes" in capsys.readouterr().out

@@ -26,7 +26,7 @@ b = { clip = "generated-walker-1", frame = 5 }
 [appearance]
 width = 64
 height = 64
-body = "parts"
+style = "mannequin"
 [observer]
 prefer = { fixed = 0.8, cut = 0.2 }
 """
