@@ -19,6 +19,7 @@ FLOORS = (
         "stimuli.compiled",
         "stimuli.errors",
         "stimuli.files",
+        "stimuli.interpreter",
         "stimuli.places",
         "stimuli.ties",
     ),

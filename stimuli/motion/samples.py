@@ -51,7 +51,7 @@ def _download(temporary: Path) -> Path:
     """The pinned wheel, by pip, into `temporary`."""
     pin = temporary / "pin.txt"
     pin.write_text(f"{PACKAGE} --hash=sha256:{SHA256}\n", encoding="utf-8")
-    command = [sys.executable, "-m", "pip", *_PIP, "-r", str(pin), "-d", str(temporary)]
+    command = [sys.executable, "-P", "-m", "pip", *_PIP, "-r", str(pin), "-d", str(temporary)]
     environment = os.environ | {"TMPDIR": str(temporary), "PIP_NO_CACHE_DIR": "1"}
     try:
         done = subprocess.run(

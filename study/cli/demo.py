@@ -103,16 +103,19 @@ def _rehearse(
     stimuli: Path, directories: list[Path], data: Path, participant: str, seed: int
 ) -> None:
     """A session in PsychoPy's window, in a process of its own, on a virtual screen if need be."""
+    from stimuli.interpreter import own_environment, own_python
     from study.screen.virtual import has_screen, virtual_screen
 
-    command = [
-        sys.executable, "-m", "study.cli", "run", PROTOCOL, "--rehearsal", "--windowed",
+    command = own_python(
+        "-m", "study.cli", "run", PROTOCOL, "--rehearsal", "--windowed",
         "--participant", participant, "--observer", "simulated", "--data", str(data),
         "--stimuli", str(stimuli), "--seed", str(seed),
-    ]  # fmt: skip
+    )  # fmt: skip
     place: Any = nullcontext() if has_screen() else virtual_screen()
     with place:
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        done = subprocess.run(
+            command, env=own_environment(), capture_output=True, text=True, check=False
+        )
     for line in done.stderr.splitlines():
         if not line.startswith("Xlib:"):  # the X library's own chatter about a virtual screen
             _say(line)

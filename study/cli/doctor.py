@@ -2,9 +2,7 @@
 
 import argparse
 import json
-import os
 import subprocess
-import sys
 from collections.abc import Callable
 from contextlib import nullcontext
 from pathlib import Path
@@ -72,12 +70,14 @@ def _python(script: str, remedy: str = "") -> str:
 
     Without a remedy the script's error is one of Segue's, whose second line says what to do.
     """
+    from stimuli.interpreter import own_environment, own_python
+
     done = subprocess.run(
-        [sys.executable, "-c", script],
+        own_python("-c", script),
         capture_output=True,
         text=True,
         timeout=_SECONDS,
-        env={**os.environ, "PYTHONPATH": str(Path(__file__).resolve().parents[2])},
+        env=own_environment(),
         check=False,
     )
     lines = (done.stdout if done.returncode == 0 else done.stderr).strip().splitlines()

@@ -3,7 +3,6 @@
 import json
 import queue
 import subprocess
-import sys
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
@@ -15,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stimuli.errors import InputError, MachineError
+from stimuli.interpreter import own_environment, own_python
 from study.screen.ring import BEGUN, DONE, LANES, MADE, TURN, Lane, Ring, lanes_for
 from study.trials.trial import ClipKey
 
@@ -72,7 +72,7 @@ class Decoder:
         self._turn = 0
         self._told: queue.SimpleQueue[dict[str, Any]] = queue.SimpleQueue()
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "study.screen.decoding", str(self._ring.path)],
+            own_python("-m", "study.screen.decoding", str(self._ring.path)), env=own_environment(),
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
         )  # fmt: skip
         self._listener = Thread(target=self._listen, daemon=True)

@@ -2,11 +2,14 @@
 
 import os
 import time
+from collections import deque
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from stimuli.errors import InputError, MachineError, UnwritableError
 from study.protocol.schema import Instructions, Keys
@@ -72,6 +75,7 @@ class WindowStage:
         self._paced = not self._refresh.vsync
         self._rate = self._refresh.rate
         self._panels: dict[tuple[int, int, tuple[int, ...]], Panel] = {}
+        self._flips: deque[float] = deque([0.0], maxlen=15)  # seconds that the last ones took
         self._shown = False  # whether clips were, since the last question
         self._zero: float | None = None
         self._zero_wall: float | None = None
@@ -270,15 +274,18 @@ class WindowStage:
         self._flip()
 
     def _flip(self) -> float:
+        begun = time.perf_counter()
         self._window.flip()
         now = time.perf_counter()
+        self._flips.append(now - begun)
         if self._zero is None:
             self._zero, self._zero_wall = now, time.time()
         return now
 
     def _sleep_until(self, due: float) -> None:
-        """Wait for a due flip: to its time, or on a synchronised screen half a refresh before."""
-        at = due if self._paced else due - 0.5 / self._rate
+        """Wait for a due flip: half a refresh before it, or as long as flips take where the screen
+        waits for none."""
+        at = due - (float(np.median(self._flips)) if self._paced else 0.5 / self._rate)
         rest = at - time.perf_counter() - SPIN_SECONDS
         if rest > 0:
             time.sleep(rest)
