@@ -82,7 +82,7 @@ def _copy(path: Path, place: str, names: Mapping[str, str], made: Anonymised) ->
         write_atomic(made.folder / place, _without_names(told, names))
         return
     found = _PLACED.fullmatch(place)
-    copy = next((copy for kind, copy in KINDS.items() if fnmatchcase(path.name, kind)), None)
+    copy = next((copy for kind, copy in _COPIES.items() if fnmatchcase(path.name, kind)), None)
     if found is None or copy is None:
         made.left_out.append(f"{place}: Segue did not write it, and it may name people")
         return
@@ -154,7 +154,7 @@ def _battery(path: Path) -> tuple[str, list[str]]:
     return _json_text({key: held[key] for key in ("order", "finished") if key in held}), []
 
 
-KINDS: Mapping[str, Callable[[Path], tuple[str, list[str]]]] = {
+_COPIES: Mapping[str, Callable[[Path], tuple[str, list[str]]]] = {
     "sub-*_beh.tsv": _record,
     "sub-*_beh.json": _sidecar,
     "sub-*_flips.tsv": _flips,

@@ -30,7 +30,7 @@ def made_from(data: Path, out: Path, option: str) -> Iterator[Path]:
             folder.mkdir()
             folder.chmod(permitted() | 0o111)
             yield folder
-            folder.rename(out)
+            folder.replace(out)
 
 
 def files_of(data: Path) -> Iterator[str]:

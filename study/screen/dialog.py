@@ -7,15 +7,15 @@ prints what was entered as JSON, or null where it was cancelled.
 
 import json
 import subprocess
-import sys
 from typing import Any
 
 from stimuli.errors import InputError
+from stimuli.interpreter import own_environment, own_python
 from study.record.dataset import check_participant
 from study.record.people import QUESTIONS
 from study.screen.virtual import has_screen
 
-TITLE = "Segue: who takes part?"
+_TITLE = "Segue: who takes part?"
 BLANK = "n/a"
 
 
@@ -27,8 +27,9 @@ def ask_participant() -> dict[str, str] | None:
     if not has_screen():
         raise InputError("--participant: expected an ID, found none and no screen to ask for it on")
     done = subprocess.run(
-        [sys.executable, "-m", "study.screen.dialog"], capture_output=True, text=True, check=False
-    )
+        own_python("-m", "study.screen.dialog"),
+        env=own_environment(), capture_output=True, text=True, check=False,
+    )  # fmt: skip
     lines = done.stdout.strip().splitlines()
     if done.returncode != 0 or not lines:
         why = (done.stderr.strip().splitlines() or ["it stopped without a word"])[-1]
@@ -54,7 +55,7 @@ def _show(entered: dict[str, str], fault: str | None) -> dict[str, str] | None:
     """One showing of the dialog, with what was entered before; None where it was cancelled."""
     from psychopy import gui
 
-    shown: Any = gui.Dlg(title=TITLE)
+    shown: Any = gui.Dlg(title=_TITLE)
     if fault:
         shown.addText(fault, color="red")
     shown.addField("participant", entered["participant"], label="participant's ID*", required=True)
