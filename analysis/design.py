@@ -1,5 +1,6 @@
 """What a design looks like over simulated sessions: trials, minutes, balance, staircases."""
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -48,15 +49,20 @@ def _orders(trials: pd.DataFrame) -> dict[str, pd.Series]:
     return found
 
 
-def convergence(trials: pd.DataFrame) -> list[dict[str, Any]]:
-    """How the tracks of each motion and side ran under the protocol's stopping rule."""
+def convergence(
+    trials: pd.DataFrame, levels: Mapping[tuple[str, str], Sequence[int]]
+) -> list[dict[str, Any]]:
+    """How the tracks of each motion and side ran under the protocol's stopping rule.
+
+    `levels` are the absolute differences of a motion and side, ascending.
+    """
     told = []
     kept = trials[trials["correct"].notna()]
     found = tracks(kept)
     for motion, side in sorted({(track.motion, track.side) for track in found}):
         own = [t for t in found if (t.motion, t.side) == (motion, side)]
         sign = -1.0 if side == "shorter" else 1.0
-        edges = {float(t.levels.min()) for t in own} | {float(t.levels.max()) for t in own}
+        shown = levels[motion, side]
         ends = [float(t.levels[-1]) for t in own]
         stops = [v for t in own if (v := stop_level(t.levels)) is not None]
         turns = [v for t in own if (v := reversal_mean(t.levels)) is not None]
@@ -68,7 +74,7 @@ def convergence(trials: pd.DataFrame) -> list[dict[str, Any]]:
                 "proportion_right": float(np.concatenate([t.correct for t in own]).mean()),
                 "stop_level": sign * float(np.mean(stops)) if stops else None,
                 "reversal_mean": sign * float(np.mean(turns)) if turns else None,
-                "ended_at_edge": float(np.mean([end in (min(edges), max(edges)) for end in ends])),
+                "ended_at_edge": float(np.mean([end in (shown[0], shown[-1]) for end in ends])),
             }
         )
     return told

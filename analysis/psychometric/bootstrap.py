@@ -67,10 +67,14 @@ def resample_trials(data: Counts, samples: int, rng: np.random.Generator) -> Res
 
 
 def resample_people(data: PeopleCounts, samples: int, rng: np.random.Generator) -> Resamples:
-    """People drawn with replacement, then trials with replacement within each person drawn."""
+    """People drawn with replacement, then trials with replacement within each person drawn.
+
+    People are ordered by their counts, so that draws do not go by what they are called.
+    """
     persons = len(data.people)
     cells = np.concatenate([data.correct, data.total - data.correct], 1)
-    n = data.total.sum(1)
+    cells = cells[np.lexsort(cells.T)]
+    n = cells.sum(1)
     drawn = rng.integers(persons, size=(samples, persons))
     shares = cells / np.maximum(n, 1)[:, None]
     again = rng.multinomial(n.astype(int)[drawn], shares[drawn]).sum(1).astype(float)

@@ -27,6 +27,8 @@ COMMANDS = {
     "simulate": "simulate participants without a window",
     "fit": "fit a psychometric function to a table",
     "report": "turn session records into a statistical report",
+    "anonymise": "copy a data set with new ids, without free text and times of day",
+    "export": "pack a study for a repository, as Psych-DS or as an RO-Crate",
 }
 
 

@@ -30,6 +30,7 @@ def _of(args: argparse.Namespace, member: str, **more: object) -> argparse.Names
 
 
 def _session(battery: Battery, args: argparse.Namespace) -> int:
+    from study.cli.person import settle_participant
     from study.record.dataset import check_participant, finished_runs
     from study.trials.reading import load_protocol
 
@@ -38,6 +39,9 @@ def _session(battery: Battery, args: argparse.Namespace) -> int:
             "--stimuli: a battery shows several sets, found one named; leave it out, and render "
             f"them with `segue render {args.protocol}`"
         )
+    if not settle_participant(args):
+        print("left before the session began", file=sys.stderr)
+        return 1
     check_participant(args.participant)
     path = _kept(args.data, args.participant, battery.name)
     order = _order(battery, args, path)

@@ -131,6 +131,8 @@ def describe(entry: dict[str, Any]) -> str:
         if row["target"] is not None:
             where = f"settles at a proportion of {row['target']:.4f}"
         lines.append(f"staircase {row['motion']}/{row['side']} ({row['rule']}): {where}")
+    for row in entry.get("ends", []):
+        lines += _told_ends(row)
     for row in entry.get("thresholds", []):
         lines.append(
             f"threshold {row['side']} {row['truth']:+g}: fit {_spread(row['fit'])}, reversals "
@@ -148,6 +150,32 @@ def describe(entry: dict[str, Any]) -> str:
         lines.append(f"people recommended ({entry['recommended_for']}): "
                      f"{n if n is not None else 'more than could be tried'}")  # fmt: skip
     return "\n".join(lines + entry["warnings"])
+
+
+def _told_ends(row: dict[str, Any]) -> list[str]:
+    """How often a track ends at its first or last level, for whom, and what would mend it."""
+    from study.trials.ends import SELDOM
+
+    levels = row["levels"]
+    lines = [
+        f"tracks of {row['track']}, from {row['start']}, end at the first level ({levels[0]}) in "
+        f"{row['ends_first']:.2f}, at the last ({levels[-1]}) in {row['ends_last']:.2f}"
+    ]
+    if row["ends_first"] + row["ends_last"] < SELDOM:
+        return lines
+    people = [f"{p['threshold']:g}: {p['ends_first'] + p['ends_last']:.2f}" for p in row["people"]]
+    lines.append(f"  in all, by personal threshold: {', '.join(people)}")
+    better = [c for c in row["changes"] if c["at_ends"] < row["ends_first"] + row["ends_last"]]
+    tried = [
+        min(kind, key=lambda c: (c["at_ends"] >= SELDOM, len(c["levels"]), c["at_ends"]))
+        for word in ("start", "levels")
+        if (kind := [c for c in better if c["change"].startswith(word)])
+    ]
+    told = [f"{c['change']} would make it {c['at_ends']:.2f}" for c in tried]
+    lines.append(
+        f"  {'; '.join(told) or 'no other start and no level more that can be would help'}"
+    )
+    return lines
 
 
 def _spread(held: dict[str, float | None]) -> str:

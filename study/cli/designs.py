@@ -154,6 +154,7 @@ def _odd_pair_part(
 ) -> dict[str, Any]:
     from analysis.certificate import difference_power, fewest, threshold_certificate
     from analysis.design import convergence
+    from study.trials.plan import make_plan
 
     observer = protocol.file.observer
     assert observer is not None
@@ -172,11 +173,14 @@ def _odd_pair_part(
         for n in _numbers(protocol, people)
     ]
     effect = (options.effects or _FRAMES[1:2])[0]
+    plan = make_plan(protocol, references, 0)
+    levels = {(m.name, side): shown for m in plan.motions for side, shown in m.sides().items()}
     by_people = {row["participants"]: row["power"] or 0.0 for row in power
                  if row["effect"] == effect}  # fmt: skip
     return {
         "staircases": exact_targets(protocol, references),
-        "convergence": convergence(trials),
+        "ends": track_ends(protocol, references, options.seed),
+        "convergence": convergence(trials, levels),
         "thresholds": thresholds,
         "power": power,
         "power_of": "telling two thresholds apart that differ by `effect` frames",
@@ -200,6 +204,17 @@ def exact_targets(protocol: "Protocol", references: dict[str, int]) -> list[dict
 
     settles = TASKS[protocol.file.task].settles
     return settles(make_plan(protocol, references, 0)) if settles else []
+
+
+def track_ends(protocol: "Protocol", references: dict[str, int], seed: int) -> list[dict[str, Any]]:
+    """How often tracks end at the first or last level, for whom, and what would mend it."""
+    import numpy as np
+
+    from study.trials.plan import make_plan
+    from study.trials.tasks import TASKS
+
+    ends = TASKS[protocol.file.task].ends
+    return ends(make_plan(protocol, references, 0), np.random.default_rng(seed)) if ends else []
 
 
 def _preference_part(

@@ -12,7 +12,9 @@ from study.cli.common import add_motions_option, progress
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The options of `segue run`."""
     parser.add_argument("protocol", help="a protocol file, or the name of a shipped protocol")
-    parser.add_argument("--participant", required=True, metavar="ID", help="letters and digits")
+    parser.add_argument(
+        "--participant", metavar="ID", help="letters and digits (default: a dialog asks)"
+    )
     parser.add_argument("--data", type=Path, default=Path("data"), metavar="DIR")
     parser.add_argument(
         "--stimuli", type=Path, metavar="SET", help="default: stimulus-sets/<protocol>"
@@ -34,6 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Run the session; 1 when somebody left it."""
     from stimuli.errors import InputError
+    from study.cli.person import settle_participant
     from study.cli.telling import Teller
     from study.protocol.rendered import check_rendered
     from study.protocol.sets import references_of_manifest
@@ -43,6 +46,9 @@ def run(args: argparse.Namespace) -> int:
     from study.trials.reading import load_protocol
 
     protocol = load_protocol(args.protocol)
+    if not settle_participant(args):
+        print("left before the session began", file=sys.stderr)
+        return 1
     request = Request(
         participant=args.participant,
         data=args.data,
@@ -234,12 +240,20 @@ def _asks(args: argparse.Namespace) -> bool:
 
 
 def _ask_person(args: argparse.Namespace, protocol: Any) -> None:
-    """What a study asks of a person, before the session, on a terminal; blank is n/a."""
-    from study.record.dataset import QUESTIONS, enrol, prepare
+    """What a study asks of a person, before the session, if no dialog did, on a terminal.
 
-    if _asks(args) and _place(args) == 1:
+    Blank is n/a.
+    """
+    from study.record.dataset import enrol, prepare
+    from study.record.people import QUESTIONS
+
+    answers = getattr(args, "details", {})
+    if _place(args) != 1 or args.rehearsal:
+        return
+    if not answers and _asks(args):
+        answers = {key: input(f"{asked.told}: ").strip() for key, asked in QUESTIONS.items()}
+    if answers:
         prepare(args.data, protocol.file.lab)
-        answers = {key: input(f"{text}: ").strip() for key, text in QUESTIONS.items()}
         enrol(args.data, args.participant, **answers)
 
 

@@ -127,6 +127,7 @@ class Presentation(TomlTable):
     without a width the system's word for the screen is taken.
     `void` is a late frame in what a blend mixes, or more than `late_frames_allowed` in all.
     `slow_screen_allowed` lets a screen through that has fewer refreshes than the clips frames.
+    `markers` tells of each trial's events over Lab Streaming Layer.
     """
 
     layout: Literal["side-by-side", "one-after-other"] | None = None
@@ -141,6 +142,7 @@ class Presentation(TomlTable):
     slow_screen_allowed: bool = False
     feedback_in_practice: bool = True
     replays: Annotated[int, Field(ge=0, le=20)] = 0
+    markers: bool = False
 
 
 class Keys(TomlTable):

@@ -14,23 +14,11 @@ from stimuli.errors import InputError, InputWarning
 from stimuli.files import refusals_name, write_atomic
 from study.protocol.protocol import Protocol
 from study.protocol.schema import Lab
+from study.record.people import PARTICIPANT_COLUMNS
 from study.record.table import MISSING, Record, reopen
 
 PARTICIPANT = re.compile(r"[A-Za-z0-9]{1,32}")
 RUN = re.compile(r"_run-(\d+)_beh\.tsv$")
-QUESTIONS: Mapping[str, str] = {
-    "age": "age in years",
-    "sex": "sex (female, male, other, or n/a)",
-    "vision": "normal or corrected-to-normal vision (yes, no)",
-    "naive": "naive to the purpose of the study (yes, no)",
-    "animation_experience": "experience in animation beyond games and film (yes, no)",
-}
-PARTICIPANT_COLUMNS: Mapping[str, str] = {
-    "participant_id": "the participant",
-    **QUESTIONS,
-    "observer": "human or simulated",
-    "comments": "free comments after the session",
-}
 
 
 def check_participant(name: str) -> str:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from stimuli.errors import InputError, InputWarning
 from study.screen.clips import ClipFile, Decoder
 from study.screen.lost import tell_when_lost
+from study.screen.markers import Mark, open_markers, unmarked
 from study.screen.refresh import notes_on
 from study.screen.window import Look, WindowStage
 from study.session.lab import Request, entry, shown_frames
@@ -45,9 +46,12 @@ def open_window(
         simulated=request.observer == "simulated",
         interrupted=file.instructions.interrupted,
     )
+    mark: Mark = unmarked
+    if file.presentation.markers:
+        mark = open_markers(f"segue-{flip_log.stem.removesuffix('_flips')}")
     clips = Decoder(lies)
     try:
-        stage = WindowStage(look, clips, flip_log, request.screen, request.windowed)
+        stage = WindowStage(look, clips, flip_log, request.screen, request.windowed, mark)
     except BaseException:
         clips.close()
         raise

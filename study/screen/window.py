@@ -16,6 +16,7 @@ from study.protocol.schema import Instructions, Keys
 from study.screen.clips import ClipSource, Showable
 from study.screen.home import writable_home
 from study.screen.keyboards import open_keyboard
+from study.screen.markers import Mark, unmarked
 from study.screen.panel import Panel
 from study.screen.placing import shown_sizes, side_by_side
 from study.screen.refresh import Refresh, refresh_of
@@ -63,8 +64,10 @@ class WindowStage:
         flip_log: Path | None,
         screen: int = 0,
         windowed: bool = False,
+        mark: Mark = unmarked,
     ) -> None:
         self._look, self._clips, self._flip_log = look, clips, flip_log
+        self._mark, self._label = mark, ""
         with writable_home():
             self._window = _open_window(screen, windowed, look.background)
             self._keyboard = open_keyboard(self._window)
@@ -162,6 +165,8 @@ class WindowStage:
         """Show each screen's clips in step; they are decoded from the moment it is announced."""
         look = self._look
         onset = 0.0 if self._zero is None else time.perf_counter() - self._zero
+        self._label = label
+        self._window.callOnFlip(self._mark, f"{label} start", 0.0)
         late: list[tuple[int, ...]] = []
         for n, keys in enumerate(screens):
             count = min(self._clips.count(key) for key in keys)
@@ -178,6 +183,15 @@ class WindowStage:
 
     def ask(self, question: Prompt, seconds: float | None, planned: Answer | None) -> Answer:
         """Put the question; keys count from the flip of the last frame on, else from its own."""
+        self._window.callOnFlip(self._mark, f"{self._label} question", 0.0)
+        given = self._asked(question, seconds, planned)
+        ago = 0.0
+        if planned is None and given.response_time is not None:
+            ago = max(self._keyboard.since() - given.response_time, 0.0)
+        self._mark(f"{self._label} answer {given.response or 'none'}", ago)
+        return given
+
+    def _asked(self, question: Prompt, seconds: float | None, planned: Answer | None) -> Answer:
         row = None
         if question.scale is not None:
             row = draw_scale(self._window, question.scale, tuple(question.answers))
@@ -218,6 +232,7 @@ class WindowStage:
         for clip in clips:
             clip.ready()
         flips: list[float] = []
+        self._window.callOnFlip(self._mark, label, 0.0)
         for due in dues:
             for panel, clip in zip(panels, clips, strict=True):
                 panel.draw(clip.frame(due.frame), size)

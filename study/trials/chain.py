@@ -36,7 +36,9 @@ def stationary(rule: Rule, levels: NDArray[np.float64], correct: NDArray[np.floa
     if not rule.finite:
         raise ValueError("expected a rule with a finite chain, found one without")
     places = tuple(range(len(levels)))
-    states = [(state, last) for state in _reachable(rule, places) for last in (-1, 0, 1)]
+    states = [
+        (state, last) for state in reachable(rule, rule.begin(places, 0)) for last in (-1, 0, 1)
+    ]
     index = {state: n for n, state in enumerate(states)}
     count, width = len(levels), len(states)
     matrix = np.zeros((count, width, count, width))
@@ -63,9 +65,8 @@ def stationary(rule: Rule, levels: NDArray[np.float64], correct: NDArray[np.floa
     )
 
 
-def _reachable(rule: Rule, places: tuple[int, ...]) -> Sequence[Any]:
-    """All states of the rule that answers can lead to, the transient first one included."""
-    first = rule.begin(places, 0)
+def reachable(rule: Rule, first: Any) -> Sequence[Any]:
+    """All states of a rule that answers lead to from a first one, itself included."""
     found: dict[Any, None] = {first: None}
     frontier = [first]
     while frontier:

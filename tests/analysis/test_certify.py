@@ -71,6 +71,11 @@ def test_odd_pair(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
         ("one", "shorter"), ("one", "longer"), ("two", "shorter"), ("two", "longer"),
     ]  # fmt: skip
     assert all(0.6 < row["target"] < 0.8 for row in entry["staircases"])
+    by_side = {row["track"]: row["ends_first"] + row["ends_last"] for row in entry["ends"]}
+    assert list(by_side) == ["one, two/shorter", "one, two/longer"]
+    simulated = {row["side"]: row["ended_at_edge"] for row in entry["convergence"]}
+    for track, share in by_side.items():  # of twelve tracks a side
+        assert abs(share - simulated[track.split("/")[1]]) < 0.5
     assert [row["side"] for row in entry["thresholds"]] == ["shorter", "longer"]
     assert {3, 6, 12} <= {row["participants"] for row in entry["power"]}
     age = datetime.now(UTC) - datetime.fromisoformat(entry["created"])

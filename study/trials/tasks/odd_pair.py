@@ -1,6 +1,6 @@
 """Odd pair: two pairs of clips side by side; which pair holds two different ones (Wang VI.2)?"""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
@@ -8,13 +8,15 @@ import numpy as np
 from pydantic import Field
 
 from analysis.psychometric import location_for, proportion
+from analysis.psychometric.functions import Array
 from study.protocol.faults import Fault, given_lengths, given_methods, no_conditions, table_at
 from study.protocol.schema import ObserverTable, Positive, ProtocolFile
 from study.trials.chain import stationary
 from study.trials.deck import Card, Supply, shuffled
+from study.trials.ends import Observers, ends_of
 from study.trials.plan import Plan
 from study.trials.tasks.task import Responder, Screens, Task, alternatives
-from study.trials.tracks import StaircaseTable, make_rule, start_tracks, track_faults
+from study.trials.tracks import StaircaseTable, Tracks, make_rule, start_tracks, track_faults
 from study.trials.trial import ClipKey, Outcome
 
 _GUESS = 0.5
@@ -174,29 +176,63 @@ def settles(plan: Plan) -> list[dict[str, Any]]:
     if table is None or observer is None or observer.slope is None:
         return []
     found = []
-    curve = (observer.slope, _GUESS, observer.lapse)
+    proportion_at = _right(observer)
     for motion in plan.motions:
         for side, levels in motion.sides().items():
             if side not in observer.sides():
                 continue
             threshold = abs(observer.sides()[side])
-            location = location_for(observer.function, threshold, observer.at, *curve)
             x = np.array(levels, float)
-            right = proportion(observer.function, x, location, *curve)
             row: dict[str, Any] = {"motion": motion.name, "side": side, "rule": table.rule,
                                    "levels": list(levels)}  # fmt: skip
             rule = make_rule(table)
             row["target"] = rule.target
             if rule.finite:
-                settled = stationary(rule, x, right)
+                settled = stationary(rule, x, proportion_at(threshold, x))
                 mean = settled.mean_level
                 row |= {
                     "mean_level": mean,
-                    "target": float(proportion(observer.function, mean, location, *curve)),
+                    "target": float(proportion_at(threshold, np.array(mean))),
                     "overall_right": settled.overall_correct,
                 }
             found.append(row)
     return found
+
+
+def ends(plan: Plan, generator: np.random.Generator) -> list[dict[str, Any]]:
+    """How often each track ends at its first or last level; once where motions have the same."""
+    file, supply = _file(plan), start(plan)
+    truth = file.observer
+    if truth is None or truth.slope is None or not isinstance(supply, Tracks):
+        return []
+    told: dict[tuple[str, tuple[int, ...], int | None], list[str]] = {}
+    for motion in plan.motions:
+        for side, levels in motion.sides().items():
+            room = motion.reference - 1 if motion.reference and side == "shorter" else None
+            told.setdefault((side, levels, room), []).append(motion.name)
+    return [
+        ends_of(
+            f"{', '.join(names)}/{side}",
+            supply.tracks[names[0], side],
+            Observers(abs(truth.sides()[side]), truth.spread, SMALLEST_THRESHOLD, _right(truth)),
+            room,
+            generator,
+        )
+        for (side, _, room), names in told.items()
+        if side in truth.sides()
+    ]
+
+
+def _right(truth: OddPairObserver) -> Callable[[float, Array], Array]:
+    """The proportion right at levels of somebody with a threshold."""
+    assert truth.slope is not None
+    curve = (truth.slope, _GUESS, truth.lapse)
+
+    def right(threshold: float, levels: Array) -> Array:
+        location = location_for(truth.function, threshold, truth.at, *curve)
+        return proportion(truth.function, levels, location, *curve)
+
+    return right
 
 
 def faults(document: Mapping[str, Any]) -> Iterator[Fault]:
@@ -267,4 +303,5 @@ TASK = Task(
     row=row,
     person=person,
     settles=settles,
+    ends=ends,
 )

@@ -30,7 +30,8 @@ class Task:
     keys `{first}`, `{second}` and `{go_on}`, and the `{seconds}` to answer. `groups` is how many
     groups of people there are, who are given different orders. `analysis` names the part of the
     report that the answers go to. `settles` says exactly where each
-    staircase settles on the protocol's observer (None: the task has no staircases).
+    staircase settles on the protocol's observer, `ends` how often tracks of such people end at
+    their first or last level (None: the task has no staircases).
     """
 
     name: str
@@ -52,6 +53,7 @@ class Task:
     person: Callable[[Plan, Any, np.random.Generator], Responder]
     answer_seconds: float | None = None
     settles: Callable[[Plan], list[dict[str, Any]]] | None = None
+    ends: Callable[[Plan, np.random.Generator], list[dict[str, Any]]] | None = None
     groups: Callable[[ProtocolFile], int] = lambda file: 1
 
 

@@ -88,7 +88,7 @@ def test_a_session_visits_every_track_until_it_ends(tmp_path: Path) -> None:
     run(plan, Nowhere(6.0, 0.5), record, simulated(plan), nobody)
     tracks = record.sidecar["Tracks"]
     assert set(tracks) == {f"{m}/{s}" for m in REFERENCES for s in ("shorter", "longer")}
-    assert all(track["stopped_by"] == "visits 10" for track in tracks.values())
+    assert all(track["stopped_by"] == "visits 10 and reversals 8" for track in tracks.values())
     table = record.rows()
     main = [row for row in table if row["phase"] == "main"]
     assert sum(track["trials"] for track in tracks.values()) == len(main)
