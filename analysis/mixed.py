@@ -22,6 +22,7 @@ _EFFECTS = ("people", "motions")
 _LARGEST_SD = 10.0  # of the random intercepts, in log odds: beyond it the answers set no bound
 LEAST_SD = 1e-2  # below it an effect does not vary, and the model is fitted without it
 LARGEST_MEAN = 15.0  # of the log odds
+LARGEST_ERROR = 5.0  # of the log odds: an interval of twenty tells nothing, and hides a ridge
 STARTS = ((1.0, 0.3, 0.3), (1.3, 1.2, 0.6), (2.0, 3.0, 0.3), (2.0, 6.0, 2.0), (1.0, 0.3, 1.5))
 NEGLIGIBLE = 0.25  # share of β's variance below which who and what vary hardly matters to it
 UNSETTLED = 0.01  # standard errors by which more nodes may move the estimate or the error
@@ -115,7 +116,7 @@ def _wald(cells: Cells, random: tuple[bool, ...], theta: Array, hessian: Array) 
         if sd > 0.999 * _LARGEST_SD:
             return _refused(method, f"the variance between {name} is at its bound")
     beta, error = float(theta[0]), _standard_error(hessian)
-    if not np.isfinite(error) or abs(beta) > 0.999 * LARGEST_MEAN:
+    if not error < LARGEST_ERROR or abs(beta) > 0.999 * LARGEST_MEAN:
         return _refused(method, "the answers are too uniform")
     df = _degrees(cells, theta, error)
     reach = float(stdtrit(df, 0.975)) * error

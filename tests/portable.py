@@ -213,7 +213,8 @@ def plan(path: Path) -> None:
     """Write to `path` what `planned` reads."""
     from tests.stimuli.sets import recipe
 
-    clips = [clip for of_set in recipe.planned().values() for clip in of_set]
+    groups = [group for of_set in recipe.planned().values() for group in of_set]
+    clips = [clip for group in groups for clip in group.clips]
     motions = [clip.laid_out.motion for clip in clips]
     np.savez(
         path,
