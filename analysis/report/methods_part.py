@@ -45,7 +45,8 @@ def asked_section(context: Context) -> Section:
     """The question of the study."""
     study = context.study
     sets = context.table("stimuli").get("motions")
-    named = [str(m.get("name")) for m in sets if isinstance(m, dict)] if sets else []
+    shown = [m for m in sets or () if isinstance(m, dict) and not m.get("example")]
+    named = list(dict.fromkeys(str(m.get("of") or m.get("name")) for m in shown))
     facts = [("Question", _QUESTIONS[study.task]), ("Task", _TASKS[study.task])]
     if named:
         facts.append(("Motions", listing(named)))

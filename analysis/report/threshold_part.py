@@ -57,7 +57,9 @@ def report_odd_pair(context: Context) -> Findings:
     sections += [shown_section(context, shown)] if shown else []
     people = [entry for entry in found if entry.participant != ALL]
     sections += [_people_section(context, people)] if people else []
-    sections += [track_section(context, trials), answer_bias_section(trials)]
+    constant = bool(context.protocol) and "staircase" not in context.protocol
+    sections += [] if constant else [track_section(context, trials)]
+    sections.append(answer_bias_section(trials))
     document = {
         "psychometric": [
             entry.as_dict() | (beside[id(entry)].as_dict() if id(entry) in beside else {})
