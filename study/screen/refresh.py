@@ -31,8 +31,9 @@ class Refresh:
     @property
     def disagree(self) -> bool:
         """Whether what is measured lies off what is stated by more than the measurement may."""
-        both = self.stated is not None and self.measured is not None
-        return both and abs(self.measured / self.stated - 1) > AGREE  # type: ignore[operator]
+        if self.stated is None or self.measured is None:
+            return False
+        return abs(self.measured / self.stated - 1) > AGREE
 
     def facts(self) -> dict[str, object]:
         """For the record."""

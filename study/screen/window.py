@@ -1,6 +1,5 @@
 """The window of a session: texts, clips by frame index, answers by key, every flip logged."""
 
-import os
 import time
 from collections import deque
 from collections.abc import Mapping, Sequence
@@ -11,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from stimuli.errors import InputError, MachineError, UnwritableError
+from stimuli.errors import UnwritableError
 from study.protocol.schema import Instructions, Keys
 from study.screen.clips import ClipSource, Showable
 from study.screen.home import writable_home
@@ -22,6 +21,7 @@ from study.screen.placing import shown_sizes, side_by_side
 from study.screen.refresh import Refresh, refresh_of
 from study.screen.scales import Clicks, Row, draw_scale
 from study.screen.schedule import Due, frames_late, last_refresh, schedule
+from study.screen.screens import open_on_screen
 from study.session.stage import Answer, Interrupted, Presented, SessionLeft
 from study.trials.prompt import Prompt
 from study.trials.tasks import Screens
@@ -69,7 +69,7 @@ class WindowStage:
         self._look, self._clips, self._flip_log = look, clips, flip_log
         self._mark, self._label = mark, ""
         with writable_home():
-            self._window = _open_window(screen, windowed, look.background)
+            self._window = open_on_screen(screen, windowed, look.background)
             self._keyboard = open_keyboard(self._window)
         self._refresh = refresh_of(self._window)
         self._paced = not self._refresh.vsync
@@ -321,9 +321,10 @@ class WindowStage:
                     raise Interrupted
                 if seconds is None or key.seconds <= seconds:
                     return Answer(meanings[key.name], key.seconds)
-            for place in clicks.taken() if clicks and row else ():
-                if (point := row.at(*place)) is not None:  # type: ignore[union-attr]
-                    return Answer(point, self._keyboard.since())
+            if clicks is not None and row is not None:
+                for place in clicks.taken():
+                    if (point := row.at(*place)) is not None:
+                        return Answer(point, self._keyboard.since())
             time.sleep(0.002)
             self._window.winHandle.dispatch_events()
         return Answer(None, None)
@@ -350,44 +351,3 @@ class WindowStage:
                 f"{self._flip_log}: the flips of {label} could not be written: "
                 f"{error.strerror or error}"
             ) from error
-
-
-def _open_window(screen: int, windowed: bool, background: tuple[int, int, int]) -> Any:
-    try:
-        from psychopy import logging, visual
-
-        check_screen(screen)
-    except Exception as error:
-        if type(error).__name__ != "NoSuchDisplayException":
-            raise
-        raise MachineError(
-            f"screen: expected an X server at DISPLAY={os.environ.get('DISPLAY', '')}, found none "
-            "that answers;\nlog in on the lab's machine, or set DISPLAY to a screen that is there"
-        ) from error
-    logging.console.setLevel(logging.ERROR)
-    return visual.Window(
-        size=(1280, 800),
-        fullscr=not windowed,
-        allowGUI=windowed,
-        screen=screen,
-        color=background,
-        colorSpace="rgb255",
-        units="pix",
-        checkTiming=False,
-        waitBlanking=True,
-        gammaErrorPolicy="ignore",
-        title="Segue",
-    )
-
-
-def check_screen(screen: int) -> None:
-    """Refuse a screen that is not there; PsychoPy would take the first in silence."""
-    from pyglet.canvas import get_display
-
-    count = len(get_display().get_screens())
-    if not 0 <= screen < count:
-        there = "screen 0 alone" if count == 1 else f"screens 0 to {count - 1}"
-        raise InputError(
-            f"--screen {screen}: expected a screen that is there, found {there};\n"
-            "leave --screen out, or connect the other and let the system extend the desktop to it"
-        )

@@ -55,7 +55,7 @@ def next_trial(progress: Progress) -> tuple[Trial, Card] | None:
 
 def _draw(progress: Progress, generator: np.random.Generator) -> tuple[str, Card | None]:
     table, task = progress.plan.protocol.file.trials, progress.task
-    if _practises(progress):
+    if task.practice and _practises(progress):
         return "practice", task.practice(progress.plan, generator)
     card = progress.supply.draw(generator)
     due = table.catch_every and progress.answered // table.catch_every > progress.caught

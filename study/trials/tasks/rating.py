@@ -131,11 +131,6 @@ def content(plan: Plan, card: Card, generator: np.random.Generator) -> Rated:
     )
 
 
-def practice(plan: Plan, generator: np.random.Generator) -> Card:
-    """Never drawn: a protocol of this task has examples instead."""
-    raise NotImplementedError("a study of ratings has no practice")
-
-
 def screens(trial: Rated) -> Screens:
     """The clip before its first question; nothing before the others."""
     return ((trial.shown[trial.position - 1],),) if trial.shows else ()
@@ -284,7 +279,7 @@ TASK = Task(
     faults=faults,
     start=start,
     content=content,
-    practice=practice,
+    practice=None,  # it has examples instead
     catch=None,
     screens=screens,
     clips=clips,

@@ -43,7 +43,7 @@ class Task:
     faults: Callable[[Mapping[str, Any]], Iterator[Fault]]
     start: Callable[[Plan], Supply]
     content: Callable[[Plan, Card, np.random.Generator], Any]
-    practice: Callable[[Plan, np.random.Generator], Card]
+    practice: Callable[[Plan, np.random.Generator], Card] | None
     catch: Callable[[Plan, np.random.Generator], Card] | None
     screens: Callable[[Any], Screens]
     clips: Callable[[Any], tuple[ClipKey, ...]]
