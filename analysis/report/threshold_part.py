@@ -233,14 +233,18 @@ def _interval(axis: Any, threshold: Threshold, colour: str) -> None:
 def _people_section(context: Context, people: list[Entry]) -> Section:
     known = [entry for entry in people if entry.summary.verdict == "ok"]
     refused = len(people) - len(known)
+    tracks = _has_tracks(context)
+    why = "short tracks" if tracks else "answers to few levels"
     text = (
         f"{count(len(known), 'fit')} of single people are identifiable and "
-        f"{refused} {'is' if refused == 1 else 'are'} not: short tracks seldom carry a person's "
+        f"{refused} {'is' if refused == 1 else 'are'} not: {why} seldom carry a person's "
         "own function, and the pooled fits above do not need it.",
     )
-    figures = (_people_figure(context.stem, known),) if known else ()
-    table = _table(f"{context.stem}-people", people, _has_tracks(context))
-    return Section("Person by person", text=text, figures=figures, tables=(table,))
+    if not known:
+        return Section("Person by person", text=text)
+    table = _table(f"{context.stem}-people", people, tracks)
+    figure = _people_figure(context.stem, known)
+    return Section("Person by person", text=text, figures=(figure,), tables=(table,))
 
 
 def _people_figure(stem: str, known: list[Entry]) -> Figure:
