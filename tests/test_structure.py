@@ -26,6 +26,7 @@ FLOORS = (
     ("stimuli.processes",),
     ("stimuli.motion",),
     ("stimuli.transition",),
+    ("stimuli.naturalness",),
     ("stimuli.collection",),
     ("stimuli.graph",),
     ("stimuli.render",),

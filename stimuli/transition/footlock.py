@@ -65,7 +65,7 @@ def lock_feet(motion: Motion, a: Motion, b: Motion, window: Window) -> Motion:
     part = slice(int(touched[0]), int(touched[-1]) + 1)
     frames = slice(first + part.start, first + part.stop)
     rotations, root = motion.rotations.copy(), motion.root.copy()
-    rotations[frames] = _moved(
+    rotations[frames] = feet_moved(
         motion.skeleton, rotations[frames], _part(pose, part), shift[part], drop[part]
     )
     root[frames, 1] -= drop[part]
@@ -107,8 +107,13 @@ def _part(pose: LegPose, part: slice) -> LegPose:
     return LegPose(*(getattr(pose, name)[part] for name in LegPose.__dataclass_fields__))
 
 
-def _moved(skeleton: Skeleton, rotations: Array, pose: LegPose, shift: Array, drop: Array) -> Array:
-    """Local rotations (N, J, 4): the body sunk, the ankles moved, the feet turned as they were."""
+def feet_moved(
+    skeleton: Skeleton, rotations: Array, pose: LegPose, shift: Array, drop: Array
+) -> Array:
+    """Local rotations (N, J, 4) that move ankles by `shift` (N, 2, 3), feet turned as they were.
+
+    `pose` are the legs as they are. The body is to sink by `drop` (N,): its root is the caller's.
+    """
     legs = legs_of(skeleton)
     hips, knees, ankles = legs.joints
     across = np.broadcast_to(pose.hip[:, :1] - pose.hip[:, 1:], pose.hip.shape)
