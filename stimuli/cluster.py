@@ -14,6 +14,7 @@ from typing import Any
 from stimuli.errors import InputError, MachineError
 
 PATIENCE = 5.0  # seconds for a scheduler to answer, and between looks at whether workers are left
+_LOSSES = 3  # of what all jobs share, before the cluster is given up
 DEAD = "the work that came back is kept.\nSee to the cluster, and run it again"
 
 
@@ -29,18 +30,31 @@ class Cluster:
         """(place of the job, what `function` made of it), as jobs are done.
 
         What is `shared` is sent to every worker once, and given after the job. A job whose worker
-        dies is done by another; MachineError where that does not help.
+        dies is done by another, what was shared being sent anew where it died with its holders;
+        MachineError where that does not help.
         """
-        more = () if shared is None else (self._held(shared),)
+        held = self._held(shared)
         ended: Queue[tuple[int, Any]] = Queue()
-        futures = []
-        for place, job in enumerate(jobs):
-            future = self._client.submit(function, job, *more, pure=False, priority=-place)
-            future.add_done_callback(lambda future, place=place: ended.put((place, future)))
-            futures.append(future)
-        for _ in jobs:
+        asked: dict[int, tuple[Any, Any]] = {}  # of each job its future, and what it was given
+
+        def ask(place: int) -> None:
+            more = () if shared is None else (held,)
+            future = self._client.submit(function, jobs[place], *more, pure=False, priority=-place)
+            asked[place] = (future, held)
+            future.add_done_callback(lambda future: ended.put((place, future)))
+
+        for place in range(len(jobs)):
+            ask(place)
+        losses = 0
+        while asked:
             place, future = self._next(ended)
-            futures[place] = None  # so that the cluster forgets it
+            _, given = asked.pop(place)  # so that the cluster forgets it
+            if future.cancelled() and losses < _LOSSES and self._workers():
+                # what was shared is gone with the workers that had it: sent anew, asked again
+                if given is held:
+                    held, losses = self._held(shared), losses + 1
+                ask(place)
+                continue
             yield place, self._found(future)
 
     def everywhere(self, function: Callable[[], object]) -> None:
@@ -49,6 +63,8 @@ class Cluster:
             self._client.run(function, on_error="ignore")
 
     def _held(self, shared: Any) -> Any:
+        if shared is None:
+            return None
         return self._client.scatter([shared], broadcast=True, hash=False)[0]
 
     def _next(self, ended: "Queue[tuple[int, Any]]") -> tuple[int, Any]:

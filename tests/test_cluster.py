@@ -138,6 +138,36 @@ def test_a_set_of_a_cluster_is_that_of_this_machine_though_a_worker_is_killed(
     assert spread.hash == here.hash
 
 
+def doubled_slowly(job: int, shared: list[int]) -> int:
+    time.sleep(0.2)
+    return job * shared[0]
+
+
+def test_what_is_shared_is_sent_anew_where_it_died_with_the_worker_that_had_it(
+    scheduler: str, workers: list[subprocess.Popen[bytes]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As when a cluster is too busy to hand it on before a worker is lost."""
+    with cluster(scheduler) as found:
+        names = {
+            told["pid"]: address
+            for address, told in found._client.run(lambda: {"pid": os.getpid()}).items()
+        }
+        first = names[workers[0].pid]
+        monkeypatch.setattr(
+            found, "_held",
+            lambda shared: found._client.scatter([shared], workers=[first], hash=False)[0],
+        )  # fmt: skip
+        workers[1].send_signal(signal.SIGSTOP)  # too busy to be given a copy
+        results = {}
+        for place, result in found.spread(doubled_slowly, range(6), [2]):
+            results[place] = result
+            if len(results) == 1:
+                monkeypatch.undo()
+                workers[0].send_signal(signal.SIGKILL)
+                workers[1].send_signal(signal.SIGCONT)
+    assert results == {place: 2 * place for place in range(6)}
+
+
 def records(folder: Path) -> dict[str, str]:
     return {
         path.relative_to(folder).as_posix(): path.read_text() for path in folder.rglob("*_beh.tsv")
