@@ -49,9 +49,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
+    from stimuli.errors import InputError
     from study.cli.walk import search
 
-    return {"build": _build, "show": _show, "search": search, "path": _path}[args.kind](args)
+    try:
+        return {"build": _build, "show": _show, "search": search, "path": _path}[args.kind](args)
+    except MemoryError as error:
+        raise InputError(
+            f"graph at tau {args.tau:g}: expected a graph that fits into free memory, found one "
+            "that does not.\nTake a smaller --tau or fewer clips (--clips, --motions)."
+        ) from error
 
 
 def _build(args: argparse.Namespace) -> int:

@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 from itertools import pairwise
 from types import MappingProxyType
 
@@ -241,6 +242,20 @@ def test_pieces_follow_edges_of_the_graph_and_last_as_long_as_demanded(graphs) -
             assert (one.clip, one.last, other.clip, other.first - 1) in cuts
         assert sum(map(len, plan.pieces)) == plan.frames <= FRAMES
         assert space.node_to[path_of(space, plan.pieces)].tolist() == [p.clip for p in plan.pieces]
+
+
+def test_no_piece_is_shorter_than_the_shortest_wanted(bodies, graphs) -> None:
+    collection = graphs.collection_of(*(bodies.wandering(60, n, speed=0.15) for n in range(4)))
+    graph = graphs.with_edges(collection, 1200)
+    space, free = search_space(graph, collection), drawn(5, graph, 60)
+    lengths = {}
+    for least in (1, 12):
+        demands = replace(free, shortest=least)
+        search = begin_search(demands, graph, collection, space, 0)
+        search.go(mutations=60_000)
+        cut = [plan.pieces for plan in search.plans(4) if len(plan.pieces) > 1]
+        lengths[least] = [len(piece) for pieces in cut for piece in pieces]
+    assert min(lengths[1]) < 12 <= min(lengths[12])
 
 
 def pose(at: int, clip: str, frame: int, n: int) -> Demand:
