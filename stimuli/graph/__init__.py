@@ -16,6 +16,7 @@ from stimuli.graph.graph import MotionGraph
 from stimuli.graph.near import near_answer
 from stimuli.graph.plan import MotionPlan, Stretch, motion_plan, plan_document
 from stimuli.graph.plots import draw_graph, draw_plan, draw_reach
+from stimuli.graph.prune import largest_part
 from stimuli.graph.reach import places_reached, shares
 from stimuli.graph.search import Search, begin_search
 from stimuli.graph.shortest import shortest_way
@@ -36,6 +37,7 @@ __all__ = [
     "draw_reach",
     "graph_kept",
     "graph_place",
+    "largest_part",
     "motion_plan",
     "near_answer",
     "on_scheduler",

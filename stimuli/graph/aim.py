@@ -18,10 +18,10 @@ from stimuli.motion.quaternions import Array
 class Effort(NamedTuple):
     """How a search spends its time."""
 
-    beam: int = 16  # unfinished paths that are gone on with from a demand to the next
-    walks: int = 4000  # random walks from one demand to the next
+    beam: int = 32  # ways that are kept up to the time of each demand
+    walks: int = 2000  # ways that are tried from one demand to the next each time
     patience: int = 3000  # random mutations in a row that are no better, before all are tried
-    kept: int = 6  # of ten climbs begin at a kept path, the others at a new one
+    kept: int = 3  # of ten climbs begin at a kept path, the others at a new one
 
 
 def unmet_faults(demands: Demands, collection: Collection, graph: MotionGraph) -> Iterator[Wrong]:
@@ -96,6 +96,7 @@ def aim_at(demands: Demands, collection: Collection) -> Aim:
     velocity = [joint["velocity"] or [np.nan] * 3 for joint in joints]
     return Aim(
         frames=demands.frames,
+        shortest=demands.shortest,
         cut_weight=weights["cuts"],
         frames_weight=weights["frames"],
         body_at=_whole(body["at"] for body in bodies),

@@ -62,7 +62,7 @@ def build_graph(
             if progress:
                 progress(done, len(collection))
     if not edges:
-        raise _none(collection, tau)
+        raise _none(collection, space)
     return _joined(collection, tau, branches)
 
 
@@ -161,9 +161,12 @@ def _too_many(tau: float, edges: int, most: int, done: int, clips: int) -> Input
     )
 
 
-def _none(collection: Collection, tau: float) -> InputError:
+def _none(collection: Collection, space: CutSpace) -> InputError:
     clips = f"{len(collection)} clip{'s' * (len(collection) > 1)}"
+    least = space.least()
+    larger = f"a --tau above {least:.3g}" if np.isfinite(least) else "longer clips"
     return InputError(
-        f"graph at tau {tau:g}: expected frames to cut between, found none in {clips} of "
-        f"{int(collection.starts[-1])} frames.\nTake a larger --tau or more clips of the performer."
+        f"graph at tau {space.tau:g}: expected frames to cut between, found none in {clips} of "
+        f"{int(collection.starts[-1])} frames.\n"
+        f"Take {larger}, or more clips of the performer."
     )

@@ -8,7 +8,8 @@
     pose = [{ at = 60, clip = "jump", frame = 20 }]
 
 Frames are 0-based at 30 a second, places in metres, headings in degrees (0 faces +Z, 90 faces +X).
-Several figures have a table `[figures.NAME]` each.
+`shortest = 8` are the fewest frames that a piece may have; 8 unless given. Several figures have a
+table `[figures.NAME]` each.
 """
 
 import difflib
@@ -24,7 +25,8 @@ from stimuli.graph import fields
 from stimuli.graph.fields import KINDS, WEIGHTS_OF, Field
 from stimuli.places import find_line
 
-TOP = (*KINDS, "frames", "weights")
+TOP = (*KINDS, "frames", "shortest", "weights")
+SHORTEST_PIECE = 8  # frames of a piece: in fewer nothing is seen but two cuts
 Where = tuple[str | int, ...]
 Wrong = tuple[Where, str]  # the keys that lead to a fault, and what was expected and found
 
@@ -43,7 +45,7 @@ class Demand:
 
 @dataclass(frozen=True)
 class Demands:
-    """All that is demanded of one figure."""
+    """All that is demanded of one figure. `shortest` is the fewest frames of a piece."""
 
     name: str
     frames: int
@@ -51,6 +53,7 @@ class Demands:
     weights: Mapping[str, float] = field(
         default_factory=lambda: MappingProxyType(dict.fromkeys(WEIGHTS_OF, 1.0))
     )
+    shortest: int = SHORTEST_PIECE
 
     def of(self, kind: str) -> list[Demand]:
         """The demands of a kind, in order of time."""
@@ -124,6 +127,8 @@ def _faults(table: Any, place: Where) -> Iterator[Wrong]:
         yield (*place, "frames"), "expected how many frames the motion has, found nothing; add it"
     elif expected := fields.motion_length(table["frames"]):
         yield (*place, "frames"), f"expected {expected}, found {table['frames']!r}"
+    if expected := fields.piece_length(table.get("shortest", SHORTEST_PIECE)):
+        yield (*place, "shortest"), f"expected {expected}, found {table['shortest']!r}"
     weights = table.get("weights", {})
     if isinstance(weights, Mapping):
         yield from _of_table(weights, WEIGHTS_OF, (*place, "weights"))
@@ -235,4 +240,7 @@ def _demands(table: Mapping[str, Any], place: Where) -> Demands:
             found.append(Demand(kind, MappingProxyType(values), (*place, kind, n)))
     weights = {name: float(table.get("weights", {}).get(name, 1.0)) for name in WEIGHTS_OF}
     name = str(place[-1]) if place else ""
-    return Demands(name, int(table["frames"]), tuple(found), MappingProxyType(weights))
+    return Demands(
+        name, int(table["frames"]), tuple(found), MappingProxyType(weights),
+        int(table.get("shortest", SHORTEST_PIECE)),
+    )  # fmt: skip

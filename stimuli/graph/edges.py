@@ -66,6 +66,21 @@ class CutSpace:
         i, j = below(block, np.float32(limit))
         return i + first, j
 
+    def least(self) -> float:
+        """The cost of the nearest two frames that may be joined, infinite where none may."""
+        left, right, _ = self.factors
+        clip = np.repeat(np.arange(len(self.starts) - 1), np.diff(self.starts))
+        at, least = np.arange(len(clip)), np.inf
+        for first in range(0, len(clip), ROWS):
+            part = slice(first, first + ROWS)
+            block = left[part] @ right
+            same = clip[part, None] == clip
+            block[same & (np.abs(at[part, None] - at) <= _APART)] = np.inf
+            i, j = np.unravel_index(int(block.argmin()), block.shape)
+            if np.isfinite(block[i, j]):
+                least = min(least, float(np.square(self.rows[first + i] - self.rows[j]).sum()))
+        return least
+
     @cached_property
     def factors(self) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32], float]:
         """Two matrices whose product is the matrix of costs, and what no edge's cost exceeds."""

@@ -53,6 +53,11 @@ def motion_length(value: Any) -> str | None:
     return None if frame(value) is None and value >= 2 else "a whole number, 2 or more"
 
 
+def piece_length(value: Any) -> str | None:
+    """How many frames a piece of a clip has at least."""
+    return None if frame(value) is None and value >= 1 else "a whole number, 1 or more"
+
+
 def word(value: Any) -> str | None:
     """A name."""
     return None if isinstance(value, str) and value.strip() else "a name in quotes"

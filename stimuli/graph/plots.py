@@ -180,12 +180,17 @@ def _clusters(axes: "Axes", graph: MotionGraph, pair: tuple[int, int]) -> None:
         )
     centres = graph.labels[graph.roots[here]]
     axes.plot(centres[:, 1], centres[:, 0], "k+", ms=5, label="cluster, an edge of G′")
+    for clip, span in ((pair[0], axes.axhspan), (pair[1], axes.axvspan)):
+        span(graph.exits[clip] + 0.5, graph.frames[clip], color="0.9", zorder=0)
+    axes.fill([], [], color="0.9", label="leads nowhere")
     axes.set_xlabel(f"{names[1]}: frame entered after")
     axes.set_ylabel(f"{names[0]}: frame left at")
     axes.set_xlim(-1, graph.frames[pair[1]])
     axes.set_ylim(graph.frames[pair[0]], -1)
     axes.set_title(f"edges from {names[0]} to {names[1]}", fontsize="medium")
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.1), fontsize="small", frameon=False)
+    axes.legend(
+        loc="upper center", bbox_to_anchor=(0.5, -0.1), ncols=2, fontsize="small", frameon=False
+    )
 
 
 def draw_reach(place: np.ndarray, yaw: np.ndarray, seconds: float, path: Path) -> None:

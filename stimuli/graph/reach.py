@@ -21,7 +21,7 @@ def places_reached(space: Space, frames: int, walks: int, seed: int = 0) -> tupl
     path = np.zeros(MOST_NODES, dtype=np.int32)
     place, yaw = [], []
     for _ in range(walks):
-        count = random_walk(space, random, path, 0, 0, 0, frames, False)
+        count = random_walk(space, random, path, 0, 0, 0, frames, 1, False)
         end = end_of(space, path[:count], frames)
         if end is not None:
             place.append((end[0].imag, end[0].real))

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from stimuli.compiled import compiled
+from stimuli.compiled import compiled, inlined
 from stimuli.graph.arrays import Complex, Indices
 from stimuli.motion.quaternions import Array
 
@@ -43,6 +43,7 @@ class Aim(NamedTuple):
     """Demands as arrays; each kind in order of time. Weights are in them."""
 
     frames: int
+    shortest: int  # frames of a piece
     cut_weight: float
     frames_weight: float
     body_at: Indices  # (B,) the first at frame 0
@@ -149,33 +150,23 @@ def _pieces(
             return np.inf, count
         if time + length >= frames:
             length, last = frames - time, True
+        if length < aim.shortest and (not last or (k > 0 and frames == aim.frames)):
+            return np.inf, count
         trace.turn[k], trace.shift[k], trace.time[k], trace.total[k] = turn, shift, time, total
         trace.met[k] = (body, joint, pose)
         end = time + length
         until = frames if last else end
-        while pose < len(aim.pose_at) and aim.pose_at[pose] < until:
-            frame = j + 1 + aim.pose_at[pose] - time
-            if clip != aim.pose_clip[pose] or frame != aim.pose_frame[pose]:
-                return np.inf, count
-            pose += 1
-        while body < len(aim.body_at) and aim.body_at[body] < until:
-            g = base + min(j + 1 + aim.body_at[body] - time, stop)
-            apart = shift + turn * space.place[g] - aim.body_place[body]
-            facing = turn * space.turn[g] * np.conj(aim.body_turn[body])
-            angle = np.arctan2(facing.imag, facing.real) / TEN_DEGREES
-            far = (apart.real**2 + apart.imag**2) / 0.09
-            total += aim.body_weight[body] * (far + angle * angle)
-            body += 1
+        hit, pose = _posed(aim, clip, j + 1 - time, until, pose)
+        if not hit:
+            return np.inf, count
+        cost, body = _placed(space, aim, base, j + 1 - time, stop, until, body, turn, shift)
+        total += cost
         while joint < len(aim.joint_at) and aim.joint_at[joint] < until:
             g = base + min(j + 1 + aim.joint_at[joint] - time, stop)
             total += _joint(space, aim, joint, g, turn, shift)
             joint += 1
-        for s in range(styles):
-            low, high = max(aim.style_from[s], time), min(aim.style_to[s] + 1, end)
-            trace.style[k + 1, s] = trace.style[k, s]
-            if low < high:
-                g = base + j + 1 - time
-                trace.style[k + 1, s] += aim.style_count[s, g + high] - aim.style_count[s, g + low]
+        if styles:
+            _styled(aim, base + j + 1 - time, time, end, trace, k)
         if total > bound:
             return total, k + 1
         time = end
@@ -195,6 +186,47 @@ def _pieces(
         shift = shift + turn * space.place[i] - turned * space.place[g]
         turn, clip = turned, onto
     return np.inf, count
+
+
+@inlined
+def _posed(aim: Aim, clip: int, ahead: int, until: int, pose: int) -> tuple[bool, int]:
+    """Whether a piece hits the poses demanded before `until`, and which pose is the next.
+
+    Its clip's frame at time t is t + `ahead`; so it is below.
+    """
+    hit = True
+    while pose < len(aim.pose_at) and aim.pose_at[pose] < until:
+        hit &= clip == aim.pose_clip[pose] and aim.pose_at[pose] + ahead == aim.pose_frame[pose]
+        pose += 1
+    return hit, pose
+
+
+@inlined
+def _placed(
+    space: Space, aim: Aim, base: int, ahead: int, stop: int, until: int, body: int,
+    turn: complex, shift: complex,
+) -> tuple[float, int]:  # fmt: skip
+    """What the misses of the bodies demanded before `until` cost, and which body is the next."""
+    cost = 0.0
+    while body < len(aim.body_at) and aim.body_at[body] < until:
+        g = base + min(aim.body_at[body] + ahead, stop)
+        apart = shift + turn * space.place[g] - aim.body_place[body]
+        facing = turn * space.turn[g] * np.conj(aim.body_turn[body])
+        angle = np.arctan2(facing.imag, facing.real) / TEN_DEGREES
+        far = (apart.real**2 + apart.imag**2) / 0.09
+        cost += aim.body_weight[body] * (far + angle * angle)
+        body += 1
+    return cost, body
+
+
+@compiled(nogil=True)
+def _styled(aim: Aim, g: int, time: int, end: int, trace: Trace, k: int) -> None:
+    """Counts the frames of piece k with each label; `g` is where its clip is at time 0."""
+    for s in range(len(aim.style_from)):
+        low, high = max(aim.style_from[s], time), min(aim.style_to[s] + 1, end)
+        trace.style[k + 1, s] = trace.style[k, s]
+        if low < high:
+            trace.style[k + 1, s] += aim.style_count[s, g + high] - aim.style_count[s, g + low]
 
 
 @compiled(nogil=True)

@@ -19,6 +19,8 @@ from stimuli.graph.aim import aim_at
 from stimuli.graph.crew import PoseWays, SearchCrew
 from stimuli.graph.demands import Demands
 from stimuli.graph.graph import MotionGraph
+from stimuli.graph.grow_loop import new_beams
+from stimuli.graph.hop_loop import Hops, hops_of
 from stimuli.graph.plan import MotionPlan, Stretch, motion_plan
 from stimuli.graph.score_loop import Aim, Space, new_trace
 
@@ -34,6 +36,7 @@ class Search:
     demands: Demands
     collection: Collection
     space: Space
+    hops: Hops
     aim: Aim
     ways: PoseWays
     crews: tuple[SearchCrew, ...]
@@ -75,7 +78,7 @@ class Search:
             most = QUANTUM if goal is None else min(QUANTUM, goal - crew.tried)
             if most <= 0 or (end is not None and time.monotonic() >= end):
                 break
-            crew.go_on(self.space, self.aim, self.ways, most)
+            crew.go_on(self.space, self.hops, self.aim, self.ways, most)
 
     @property
     def best(self) -> float:
@@ -151,11 +154,11 @@ def begin_search(
     crews = []
     for number in range(CREWS):
         state = np.random.SeedSequence([seed, number]).generate_state(1, np.uint64) | np.uint64(1)
-        crew = SearchCrew(state, (new_trace(aim), new_trace(aim)))
+        crew = SearchCrew(state, (new_trace(aim), new_trace(aim)), new_beams(aim))
         if path is not None:
             _given(crew, path, space, aim)
         crews.append(crew)
-    return Search(demands, collection, space, aim, ways, tuple(crews))
+    return Search(demands, collection, space, hops_of(space), aim, ways, tuple(crews))
 
 
 def _staying(aim: Aim) -> np.ndarray:

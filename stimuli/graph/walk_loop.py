@@ -42,12 +42,13 @@ def within(space: Space, random: Random, root: int) -> int:
 @compiled(nogil=True)
 def random_walk(
     space: Space, random: Random, path: Indices, count: int, time: int, since: int, frames: int,
-    leaves: bool,
+    shortest: int, leaves: bool,
 ) -> int:  # fmt: skip
     """Goes on with a path of `count` nodes until it lasts `frames`; how many it has then.
 
     `time` is when the clip that it ends in is entered. No new edge leaves a clip before the time
-    `since`. By edges of G (`leaves`), else by nodes of any level.
+    `since`, nor after fewer than `shortest` frames. By edges of G (`leaves`), else by nodes of any
+    level.
     """
     none = len(space.frames) - 1
     if count == 0:
@@ -65,7 +66,7 @@ def random_walk(
             node = _chosen(space, random, first + draw(random, stop - first), leaves)
             onto = space.node_to[node]
             spent = space.node_i[node] - j
-            if spent < 1 or spent >= remains or time + spent < since:
+            if spent < shortest or remains - spent < shortest or time + spent < since:
                 continue
             stays = space.frames[onto] - 1 - space.node_j[node] >= remains - spent
             if stays or space.node_j[node] < space.exits[onto]:
@@ -112,16 +113,16 @@ def walk_to_poses(
     g = starts[draw(random, len(starts))]
     clip = np.searchsorted(space.first, g, side="right") - 1
     path[0] = _start_at(space, clip, g - space.first[clip] - 1)
-    count = 1
+    count, since = 1, 0
     for time in range(aim.pose_at[-1]):
         after = g + 1
         stays = after < space.first[clip + 1] and reached[time + 1, after]
         cut = -1
-        if not stays or chance(random) > ON:
+        if time + 1 - since >= aim.shortest and (not stays or chance(random) > ON):
             cut = _any_cut(space, random, by_frame, first_of, reached[time + 1], g)
         if cut >= 0 and count < MOST_NODES:
             path[count] = cut
-            count += 1
+            count, since = count + 1, time + 1
             clip = space.node_to[cut]
             after = space.first[clip] + space.node_j[cut] + 1
         elif not stays:
@@ -135,6 +136,7 @@ def walk_to_poses(
         entered(space, path, count),
         aim.pose_at[-1] + 1,
         aim.frames,
+        aim.shortest,
         False,
     )
 
@@ -200,7 +202,7 @@ def best_walk(
     path = np.empty(MOST_NODES, np.int32)
     least, kept = np.inf, 0
     for _ in range(walks):
-        count = random_walk(space, random, path, 0, 0, 0, aim.frames, leaves)
+        count = random_walk(space, random, path, 0, 0, 0, aim.frames, aim.shortest, leaves)
         score, used = score_path(space, aim, path, count, aim.frames, least, trace, 0, trace)
         if score < least:
             least, kept = score, used

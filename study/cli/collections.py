@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from study.cli.clips import Point
 
 
-def add_collection_options(parser: argparse.ArgumentParser) -> None:
-    """Which clips, how near frames must be to be joined, and a graph's file."""
+def add_collection_options(parser: argparse.ArgumentParser, pruned: bool) -> None:
+    """Which clips, how near frames must be to be joined; whether a graph may be `pruned`."""
     add_motions_option(parser)
     parser.add_argument(
         "--clips", action="append", metavar="PATTERN",
@@ -25,6 +25,11 @@ def add_collection_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--tau", type=TAU, default=1.0, help="cost below which frames may be joined (default 1)"
     )
+    if pruned:
+        parser.add_argument(
+            "--connected", action="store_true",
+            help="only clips of the largest strongly connected part: a motion can always go on",
+        )  # fmt: skip
     parser.add_argument("--debug", action="store_true", help=argparse.SUPPRESS)
 
 
@@ -46,14 +51,18 @@ def open_collection(args: argparse.Namespace) -> "Collection":
 
 
 def open_graph(args: argparse.Namespace) -> tuple["Collection", "MotionGraph"]:
-    """The collection and its graph: that of `--graph`, else the one kept, else built and kept."""
-    from stimuli.graph import graph_kept, read_graph
+    """The collection and its graph: that of `--graph`, else the one kept, else built and kept.
 
-    collection = open_collection(args)
+    Of `--connected` ones the largest strongly connected part.
+    """
+    from stimuli.graph import graph_kept, largest_part, read_graph
+
+    collection, tau = open_collection(args), args.tau
     if args.graph is not None:
-        return collection, read_graph(args.graph, collection)
-    tau = args.tau
-    return collection, graph_kept(collection, tau, lambda p: made_graph(collection, tau, p))
+        graph = read_graph(args.graph, collection)
+    else:
+        graph = graph_kept(collection, tau, lambda p: made_graph(collection, tau, p))
+    return largest_part(collection, graph) if args.connected else (collection, graph)
 
 
 def made_graph(

@@ -45,13 +45,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     path.add_argument("--out", type=Path, metavar="FILE.bvh|.mp4|.mkv", help="write the motion")
     for sub in made.values():
         sub.add_argument("--json", action="store_true", help="print one JSON document")
-        add_collection_options(sub)
+        add_collection_options(sub, pruned=sub is not build)
 
 
 def run(args: argparse.Namespace) -> int:
+    from stimuli.errors import InputError
     from study.cli.walk import search
 
-    return {"build": _build, "show": _show, "search": search, "path": _path}[args.kind](args)
+    try:
+        return {"build": _build, "show": _show, "search": search, "path": _path}[args.kind](args)
+    except MemoryError as error:
+        raise InputError(
+            f"graph at tau {args.tau:g}: expected a graph that fits into free memory, found one "
+            "that does not.\nTake a smaller --tau or fewer clips (--clips, --motions)."
+        ) from error
 
 
 def _build(args: argparse.Namespace) -> int:
@@ -145,6 +152,7 @@ def numbers_of(graph: "MotionGraph") -> dict[str, Any]:
         "connected": int((graph.parts == 0).sum()),
         "outside": [graph.names[n] for n in (graph.parts > 0).nonzero()[0]],
         "dead_frames": int(behind),
+        "leads_on_until": dict(zip(graph.names, graph.exits.tolist(), strict=True)),
     }
 
 

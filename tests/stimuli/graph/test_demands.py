@@ -60,6 +60,7 @@ avoid = [
     { low = [1, 1], high = [2, 2, 2] },
 ]
 wieghts = { cuts = -1 }
+shortest = 0
 """
     path = written(tmp_path, text)
     with pytest.raises(InputError) as refused:
@@ -69,7 +70,7 @@ wieghts = { cuts = -1 }
         (1, "frames"), (2, "body"), (3, "body.0.place"), (3, "body.0.heading"),
         (4, "body.1.plce"), (4, "body.1.at"), (6, "joint.0.at"), (6, "joint.0.role"),
         (6, "joint.0.place"), (7, "style.0.to"), (9, "avoid.0"), (10, "avoid.1.high"),
-        (11, "avoid.2.high"), (13, "wieghts"),
+        (11, "avoid.2.high"), (13, "wieghts"), (14, "shortest"),
     ):  # fmt: skip
         assert any(entry.startswith(f"{path}:{line}: {key}: ") for entry in told), (line, key, told)
     assert any("did you mean weights?" in entry for entry in told)

@@ -5,7 +5,7 @@ import pytest
 from scipy import ndimage
 
 from stimuli.errors import InputError
-from stimuli.graph import build_graph, read_graph, write_graph
+from stimuli.graph import build_graph, largest_part, read_graph, search_space, write_graph
 from stimuli.graph.summary_loop import clusters_wanted, groups, k_means
 
 
@@ -140,11 +140,38 @@ def test_a_damaged_or_foreign_file_is_refused_in_words(made, bodies, graphs, tmp
 
 
 def test_thresholds_that_leave_nothing_or_too_much_say_what_to_do(
-    made, monkeypatch: pytest.MonkeyPatch
+    made, bodies, graphs, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     collection, graph = made
-    with pytest.raises(InputError, match="Take a larger --tau"):
+    with pytest.raises(InputError, match="Take a --tau above ") as refused:
         build_graph(collection, 1e-9)
+    least = float(str(refused.value).split("above ")[1].split(",")[0])
+    assert least == pytest.approx(graph.cuts.cost.min(), rel=5e-3)
+    short = graphs.collection_of(bodies.wandering(12, 1))
+    with pytest.raises(InputError, match="Take longer clips"):
+        build_graph(short, 1.0)
     monkeypatch.setattr("stimuli.graph.build.free_memory", lambda: 100_000)
     with pytest.raises(InputError, match="at most 500 edges, which free memory holds"):
         build_graph(collection, graph.tau)
+
+
+def test_a_graph_of_the_largest_connected_part_has_its_clips_and_their_edges(
+    bodies, graphs
+) -> None:
+    few = graphs.collection_of(*(bodies.wandering(60, n, speed=0.15) for n in range(6)))
+    graph = graphs.with_edges(few, 40)
+    inside = {graph.names[n] for n in np.flatnonzero(graph.parts == 0)}
+    assert 1 < len(inside) < 6
+    collection, part = largest_part(few, graph)
+    assert set(collection.names) == set(part.names) == inside
+    assert part.collection == collection.hash
+    assert not part.parts.any()
+
+    def told(graph) -> list[tuple]:
+        edges = zip(*(column.tolist() for column in graph.cuts), strict=True)
+        return [(graph.names[s], i, graph.names[t], j, cost) for s, i, t, j, cost in edges]
+
+    assert told(part) == [e for e in told(graph) if {e[0], e[2]} <= inside]
+    for node in range(len(part.right)):
+        assert part.labels[node] == pytest.approx(part.labels[below(part, node)].mean(axis=0))
+    search_space(part, collection)

@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 from itertools import pairwise
 from types import MappingProxyType
 
@@ -49,7 +50,7 @@ def drawn(seed: int, graph, frames: int = FRAMES) -> Demands:
     turns = rng.uniform(-60, 60, 2)
     return Demands("", frames, (
         body(0, 0, 0, 0), body(frames // 2, x, z, turns[0], 1), body(frames - 1, u, v, turns[1], 2),
-    ), cheap(graph))  # fmt: skip
+    ), cheap(graph), 1)  # fmt: skip
 
 
 def passed(seed: int, graph, collection) -> Demands:
@@ -62,7 +63,7 @@ def passed(seed: int, graph, collection) -> Demands:
     state = rng.integers(1, 1 << 60, 1, dtype=np.uint64)
     path = np.zeros(MOST_NODES, dtype=np.int32)
     for _ in range(10_000):
-        count = random_walk(space, state, path, 0, 0, 0, FRAMES, True)
+        count = random_walk(space, state, path, 0, 0, 0, FRAMES, 1, True)
         search = begin_search(drawn(seed, graph), graph, collection, space, seed)
         plan = motion_plan(search.demands, search.pieces(path[:count]), collection)
         if count > 1 and plan.frames == FRAMES:
@@ -72,7 +73,7 @@ def passed(seed: int, graph, collection) -> Demands:
         body(at, *(plan.place[at] + rng.normal(0, 0.02, 2)).tolist(),
              float(np.degrees(plan.yaw[at]) + rng.normal(0, 1)), n)
         for n, at in enumerate(times)
-    ), cheap(graph))  # fmt: skip
+    ), cheap(graph), 1)  # fmt: skip
 
 
 def best_of_every_path(demands: Demands, collection, graph) -> float:
@@ -163,7 +164,7 @@ def everything(collection) -> Demands:
         demand("avoid", centre=[0.5, 0.6], radius=0.3, low=None, high=None),
         demand("avoid", 1, centre=None, radius=None, low=[-1.0, 0.0], high=[0.0, 2.0]),
         demand("avoid", 2, centre=None, radius=None, low=[0.0, 0.9, 0.0], high=[2.0, 2.0, 1.0]),
-    ))  # fmt: skip
+    ), shortest=1)  # fmt: skip
 
 
 def test_the_score_is_the_sum_of_terms_reckoned_plainly_from_the_clips(bodies, graphs) -> None:
@@ -181,7 +182,7 @@ def test_the_score_is_the_sum_of_terms_reckoned_plainly_from_the_clips(bodies, g
     path, trace = np.zeros(MOST_NODES, dtype=np.int32), new_trace(search.aim)
     seen, entered = 0, 0
     for _ in range(200):
-        count = random_walk(space, state, path, 0, 0, 0, 60, False)
+        count = random_walk(space, state, path, 0, 0, 0, 60, 1, False)
         score, used = score_path(space, search.aim, path, count, 60, np.inf, trace, 0, trace)
         if np.isinf(score):
             continue
@@ -243,6 +244,20 @@ def test_pieces_follow_edges_of_the_graph_and_last_as_long_as_demanded(graphs) -
         assert space.node_to[path_of(space, plan.pieces)].tolist() == [p.clip for p in plan.pieces]
 
 
+def test_no_piece_is_shorter_than_the_shortest_wanted(bodies, graphs) -> None:
+    collection = graphs.collection_of(*(bodies.wandering(60, n, speed=0.15) for n in range(4)))
+    graph = graphs.with_edges(collection, 1200)
+    space, free = search_space(graph, collection), drawn(5, graph, 60)
+    lengths = {}
+    for least in (1, 12):
+        demands = replace(free, shortest=least)
+        search = begin_search(demands, graph, collection, space, 0)
+        search.go(mutations=60_000)
+        cut = [plan.pieces for plan in search.plans(4) if len(plan.pieces) > 1]
+        lengths[least] = [len(piece) for pieces in cut for piece in pieces]
+    assert min(lengths[1]) < 12 <= min(lengths[12])
+
+
 def pose(at: int, clip: str, frame: int, n: int) -> Demand:
     return Demand("pose", MappingProxyType({"at": at, "clip": clip, "frame": frame}), ("pose", n))
 
@@ -252,7 +267,7 @@ def test_poses_are_hit_at_their_times(graphs) -> None:
     space = search_space(graph, collection)
     free = drawn(7, graph, 40)
     poses = pose(6, "a", 12, 0), pose(30, "a", 20, 1)
-    posed = Demands("", 40, (*free.demands, *poses), cheap(graph))
+    posed = Demands("", 40, (*free.demands, *poses), cheap(graph), 1)
     search = begin_search(posed, graph, collection, space, 0)
     search.go(mutations=20_000)
     for plan in search.plans(2):
@@ -270,12 +285,12 @@ def test_near_keeps_what_comes_before_a_changed_demand(bodies, graphs) -> None:
     space = search_space(graph, collection)
     first = Demands("", 90, (
         body(0, 0, 0, 0), body(30, 0.5, 0.6, 20, 1), body(60, 1, 1.2, 0, 2), body(89, 1.5, 2, 0, 3),
-    ), cheap(graph))  # fmt: skip
+    ), cheap(graph), 1)  # fmt: skip
     search = begin_search(first, graph, collection, space, 1)
     search.go(mutations=40_000)
     plan = search.plans()[0]
     answer = json.loads(json.dumps(plan_document(plan, collection.names)))
-    moved = Demands("", 90, (*first.demands[:3], body(89, 2.1, 1.4, 40, 3)), cheap(graph))
+    moved = Demands("", 90, (*first.demands[:3], body(89, 2.1, 1.4, 40, 3)), cheap(graph), 1)
     pieces, until = near_answer(answer, moved, collection)
     assert until == 60
     assert pieces == list(plan.pieces)

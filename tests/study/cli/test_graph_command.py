@@ -49,6 +49,22 @@ def test_a_graph_is_built_once_kept_and_shown(place: Path, capsys) -> None:
     assert (place / "g.png").stat().st_size > 10_000
     assert (place / "r.png").stat().st_size > 10_000
     assert len(list(kept.parent.iterdir())) == 1
+    assert main(["graph", "show", "--tau", "6", "--connected", "--json"]) == 0
+    inside = json.loads(capsys.readouterr().out)
+    assert inside["clips"] == inside["connected"] == built["connected"]
+    assert inside["outside"] == []
+    assert set(inside["leads_on_until"]) == set(built["leads_on_until"]) - set(built["outside"])
+
+
+def test_a_graph_too_large_for_memory_says_what_to_do(
+    place: Path, capsys, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: object) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr("stimuli.graph.search_space", full)
+    assert main(["graph", "search", "d.toml", "--tau", "6"]) == 2
+    assert "Take a smaller --tau or fewer clips" in capsys.readouterr().err
 
 
 def test_a_search_says_what_is_missed_and_writes_motion_answer_and_picture(
