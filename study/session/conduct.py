@@ -21,7 +21,6 @@ TOO_SLOW = (
     "this machine is too slow: trials are shown late, and no more of them are asked again; "
     "close other programs, or render smaller clips"
 )
-CORRECT, WRONG = "right", "not this time"
 
 
 def rows_of_plan(
@@ -66,7 +65,7 @@ def run(
             _warn_when_slow(record)
         if trial.phase == "practice" and settings.feedback and task.catch:
             right = task.correct(trial.content, outcome.response)
-            stage.flash(CORRECT if right else WRONG)
+            stage.flash(settings.feedback_texts[not right])
         if pause_due(before, progress) and next_trial(progress) is not None:
             stage.tell(settings.pause)
             _note_timing(record, stage, earlier)

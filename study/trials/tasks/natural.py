@@ -114,7 +114,7 @@ def faults(document: Mapping[str, Any]) -> Iterator[Fault]:
             yield Fault(("observer", "natural"), message)
 
 
-_QUESTION = "Was the motion natural?\n\n{first}   natural        {second}   not natural"
+_QUESTION = "Was the motion natural?\n\n{first}   natural\n{second}   not natural"
 
 TASK = Task(
     name="natural",

@@ -264,8 +264,7 @@ def _file(plan: Plan) -> OddPairFile:
 
 
 _QUESTION = (
-    "Which pair held two different motions?\n\n"
-    "{first}   the first pair        {second}   the second pair"
+    "Which pair held two different motions?\n\n{first}   the first pair\n{second}   the second pair"
 )
 
 TASK = Task(

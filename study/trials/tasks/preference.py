@@ -162,7 +162,7 @@ def faults(document: Mapping[str, Any]) -> Iterator[Fault]:
             yield Fault(path, message)
 
 
-_QUESTION = "Which motion was more natural?\n\n{first}   the first        {second}   the second"
+_QUESTION = "Which motion was more natural?\n\n{first}   the first\n{second}   the second"
 
 TASK = Task(
     name="preference",

@@ -219,7 +219,7 @@ def test_a_rehearsal_shows_the_middle_of_the_studys_clips(place: Path, screen: s
     manifest = load_manifest(place / "stimulus-sets/frail")
     assert facts["StimulusSetHash"] == manifest.hash
     assert facts["Rehearsal"]
-    assert {int(row[1]) for row in flips_of(place, "whole")} == set(range(18))
+    assert {int(row[2]) for row in flips_of(place, "whole")} == set(range(18))
     assert not (place / "stimulus-sets/frail-rehearsal").exists()
 
 
