@@ -54,7 +54,7 @@ def one_study(job: SimulatedStudy) -> dict[str, Any]:
         **_JUDGED.get(analysis_of(protocol), _nothing_more)(protocol, trials, job.seed),
         "table": trials,
     }
-    return study | {"measured": measured(protocol, analysis_of(protocol), study)}
+    return study | {"measured": measured(protocol, study)}
 
 
 def simulated_trials(
@@ -139,7 +139,7 @@ def certificate(
         "trials": range_of([n for s in studies for n in s["trials"]]),
         "minutes": range_of([n for s in studies for n in s["minutes"]]),
         "balance": balance(trials),
-        "expected": expected(protocol, analysis_of(protocol), studies),
+        "expected": expected(protocol, studies),
         "warnings": warnings_of(options.stimuli),
     }
     part = {"thresholds": _odd_pair_part, "preferences": _preference_part}.get(

@@ -21,6 +21,10 @@ TOO_SLOW = (
     "this machine is too slow: trials are shown late, and no more of them are asked again; "
     "close other programs, or render smaller clips"
 )
+LATE_BY_CLOCK = (
+    "frames came late by the clock that paces this screen, which has no vertical blank (a virtual "
+    "one has none), and no more trials are asked again; a lab's screen will tell its own"
+)
 
 
 def rows_of_plan(
@@ -112,7 +116,8 @@ def _warn_when_slow(record: Record) -> None:
     """Say once, aloud and in the sidecar, that late trials are no longer asked again."""
     if not record.sidecar.get("TooSlow"):
         record.save_sidecar(TooSlow=True)
-        warnings.warn(TOO_SLOW, InputWarning, stacklevel=2)
+        clocked = record.sidecar.get("Display", {}).get("vsync") is False
+        warnings.warn(LATE_BY_CLOCK if clocked else TOO_SLOW, InputWarning, stacklevel=2)
 
 
 def row_of(task: Task, trial: Trial, outcome: Outcome, clips: Clips) -> dict[str, Any]:

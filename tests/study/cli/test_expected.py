@@ -10,7 +10,6 @@ from study.cli.designs import SimulatedStudy, one_study, simulated_trials
 from study.cli.expected import expected, measured
 from study.protocol.protocol import shipped
 from study.trials.reading import load_protocol, parse_protocol
-from study.trials.tasks import TASKS
 from tests.study.session.test_session import PREFERENCE
 
 NATURAL = PREFERENCE.split("[observer]")[0].replace('"preference"', '"natural"') + (
@@ -38,7 +37,7 @@ def test_a_certificate_says_what_studies_of_the_observer_come_to(
 def test_of_preferences_it_says_the_share_of_each_category() -> None:
     protocol = load_protocol("study-four")
     study = {"table": simulated_trials(protocol, SimulatedStudy(protocol.document, {}, 1, 35))[0]}
-    held = measured(protocol, "preferences", study)
+    held = measured(protocol, study)
     assert held == {
         "geodesic over velocity, locomotion": pytest.approx(0.75, abs=0.15),
         "geodesic over velocity, activity": pytest.approx(0.111, abs=0.15),
@@ -48,7 +47,7 @@ def test_of_preferences_it_says_the_share_of_each_category() -> None:
 def test_of_naturalness_it_says_how_often_each_method_is_called_natural() -> None:
     protocol = parse_protocol(NATURAL)
     job = SimulatedStudy(dict(protocol.document), {}, 1, 12)
-    held = measured(protocol, "naturalness", one_study(job))
+    held = measured(protocol, one_study(job))
     assert held["natural, geodesic"] == pytest.approx(0.9, abs=0.1)
     assert held["natural, fixed"] == pytest.approx(0.4, abs=0.15)
 
@@ -70,7 +69,7 @@ def test_another_study_comes_out_as_the_certificate_expects(name: str) -> None:
         for seed in range(100, 101 + STUDIES)
     ]
     *studies, other = [one_study(job) for job in jobs]
-    rows = expected(protocol, TASKS[protocol.file.task].analysis, studies)
+    rows = expected(protocol, studies)
     told = {row["what"] for row in rows if "mean" in row}
     assert told == WHO_TELLS.get(name, {row["what"] for row in rows})
     for row in rows:

@@ -20,6 +20,9 @@ from stimuli.motion import Library
 from study.protocol.sets import set_spec
 from study.screen.priority import may_have_priority
 from study.screen.virtual import virtual_screen
+from study.session.simulation import rows as session_rows
+from study.trials.observers import Simulated
+from study.trials.plan import make_plan
 from study.trials.reading import parse_protocol
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -172,12 +175,26 @@ def test_a_simulated_observer_sits_before_the_same_window(place: Path, screen: s
     assert set(last_frames.values()) == {14}
 
 
-def test_a_killed_session_loses_no_answer_and_goes_on(place: Path, screen: str) -> None:
-    process = subprocess.Popen(command(place, "killed"), cwd=ROOT, stdin=subprocess.DEVNULL)
-    press_until(process, ("space", "1"), lambda: len(record(place, "killed")) >= 2)
-    os.kill(process.pid, signal.SIGKILL)
-    process.wait()
-    before = record(place, "killed")
+def test_a_session_killed_three_times_loses_no_answer_and_goes_on(place: Path, screen: str) -> None:
+    """Killed at random moments of a trial; its rows are those of a session that nobody killed."""
+    plan = make_plan(parse_protocol(PROTOCOL), {"m": 10}, 4)
+    whole = list(session_rows(plan, Simulated(lambda content, draw: "1")))
+    moments = np.random.default_rng(3).uniform(0.0, 1.2, 3)
+    kept: list[dict[str, str]] = []
+    for times, moment in enumerate(moments):
+        resume = ["--resume"] if times else []
+        process = subprocess.Popen(
+            command(place, "killed", *resume), cwd=ROOT, stdin=subprocess.DEVNULL
+        )
+        wanted = times + 1
+        press_until(process, ("space", "1"), lambda n=wanted: len(record(place, "killed")) >= n)
+        time.sleep(moment)
+        os.kill(process.pid, signal.SIGKILL)
+        process.wait()
+        before, kept = kept, record(place, "killed")
+        assert len(kept) >= wanted
+        assert kept[: len(before)] == before
+        assert not sidecar(place, "killed")["Finished"]
     refused = subprocess.run(
         command(place, "killed"), cwd=ROOT, capture_output=True, text=True,
         stdin=subprocess.DEVNULL, timeout=60,
@@ -190,8 +207,11 @@ def test_a_killed_session_loses_no_answer_and_goes_on(place: Path, screen: str) 
     press_until(process, ("space", "1"), lambda: process.poll() is not None)
     assert process.returncode == 0
     after = record(place, "killed")
-    assert after[: len(before)] == before
-    assert [row["trial"] for row in after] == ["1", "2", "3", "4"]
+    assert after[: len(kept)] == kept
+    same = ("trial", "phase", "track", "length", "odd_pair", "odd_position", "correct", "response")
+    assert [[row[key] for key in same] for row in after] == [
+        [str(row[key]) for key in same] for row in whole
+    ]
     onsets = [float(row["onset"]) for row in after]
     assert onsets == sorted(onsets)
 
