@@ -8,8 +8,13 @@ from typing import Any
 
 import pytest
 
+from stimuli.errors import InputError
+from study.protocol.schema import Instructions
 from study.screen.texts import letter_height
 from study.screen.virtual import virtual_screen
+from study.trials.reading import parse_protocol
+from tests.study.screen.pictures import texts_of
+from tests.study.session.test_session import PREFERENCE
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -44,3 +49,22 @@ def test_a_screen_that_lies_about_its_width_has_letters_by_its_height() -> None:
     """3840 pixels said to be a metre across, as X servers of 96 dots an inch say."""
     assert letter_height((3840, 2160), 101.6 / 3840) == 90.0
     assert letter_height((1920, 1080), 53.0 / 1920) == pytest.approx(61.5, abs=0.1)
+
+
+def test_every_text_can_be_in_the_studys_own_language() -> None:
+    """Of a study that writes all of its texts nothing else is read."""
+    own = {name: f'"{name}: по-русски"' for name in Instructions.model_fields} | {
+        "pages": '["страница по-русски"]', "replay": '"{again}: по-русски ({left})"',
+        "interrupted": '"{go_on}, {quit}: по-русски"',
+    }  # fmt: skip
+    table = "\n".join(f"{name} = {text}" for name, text in own.items())
+    read = texts_of(parse_protocol(f"{PREFERENCE}\n[instructions]\n{table}\n"))
+    assert len(read) == len(own)
+    assert [text for text in read if "по-русски" not in text] == []
+
+
+@pytest.mark.parametrize("text", ['interrupted = "{first} goes on"', 'replay = "{} again"'])
+def test_what_a_text_cannot_name_is_refused_by_line(text: str) -> None:
+    line = len(f"{PREFERENCE}\n[instructions]\n".splitlines()) + 1
+    with pytest.raises(InputError, match=rf":{line}: instructions\..*expected no braces but"):
+        parse_protocol(f"{PREFERENCE}\n[instructions]\n{text}\n")

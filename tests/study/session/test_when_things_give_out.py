@@ -335,3 +335,32 @@ def test_simulated_people_are_nobodys_twins(place: Path, tmp_path: Path) -> None
     said(process)
     assert process.returncode == 0
     assert sorted(path.name for path in tmp_path.glob("sub-*")) == ["sub-SIM001", "sub-sim002"]
+
+
+@pytest.mark.parametrize("case", of_cases(["stair_reversals_only.toml"]))
+def test_a_study_that_nothing_would_end_ends_by_itself_and_records_it(
+    case: str, tmp_path: Path, place: Path
+) -> None:
+    """Somebody who is always right never reverses: every track has a most of trials."""
+    process = segue(
+        place, "simulate", str(SHARED / case), "--participants", "1", "--data", str(tmp_path)
+    )
+    said(process)
+    assert process.returncode == 0
+    (sidecar,) = tmp_path.glob("sub-sim001/beh/*_beh.json")
+    tracks = json.loads(sidecar.read_text())["Tracks"].values()
+    assert len(sidecar.with_suffix(".tsv").read_text().splitlines()) < 2000
+    assert all(track["stopped_by"] for track in tracks)
+    assert any(track["stopped_by"].startswith("most") for track in tracks)
+
+
+@pytest.mark.parametrize("case", of_cases(["plain.toml"]))
+def test_a_participant_whose_name_differs_by_case_alone_is_refused(
+    case: str, tmp_path: Path, place: Path
+) -> None:
+    (tmp_path / "sub-P01").mkdir()
+    words = ("run", str(SHARED / case), "--participant", "p01", "--data", str(tmp_path))
+    told = said(process := segue(place, *words))
+    assert process.returncode == 2
+    assert "P01" in told
+    assert [path.name for path in tmp_path.iterdir()] == ["sub-P01"]
