@@ -7,6 +7,7 @@ texts of all protocols through the same window.
 """
 
 import json
+import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
@@ -181,13 +182,19 @@ CONSENT = (
 )
 
 
-def main(words: list[str]) -> int:
-    """Write the documentation's pictures."""
+def main(out: str) -> int:
+    """Have the documentation's pictures drawn by a process that ends before its screen does."""
+    with virtual_screen(*SIZE):
+        drawn = [sys.executable, "-m", "tests.study.screen.pictures", "draw", out]
+        return subprocess.run(drawn, check=False).returncode
+
+
+def draw(out: Path) -> int:
+    """Write the documentation's pictures, of the screen that there is."""
     from PIL import Image
 
-    out = Path(words[0])
     out.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(prefix="segue-") as folder, virtual_screen(*SIZE):
+    with tempfile.TemporaryDirectory(prefix="segue-") as folder:
         for name, picture in documented(Path(folder)):
             small = Image.fromarray(picture).reduce(SMALLER)
             image = small.quantize(COLOURS, dither=Image.Dither.NONE)
@@ -225,4 +232,7 @@ def _at_the_edge(picture: Picture) -> bool:
 
 
 if __name__ == "__main__":
-    sys.exit(check() if sys.argv[1] == "check" else main(sys.argv[1:]))
+    word = sys.argv[1]
+    sys.exit(
+        check() if word == "check" else draw(Path(sys.argv[2])) if word == "draw" else main(word)
+    )
