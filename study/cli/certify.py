@@ -76,8 +76,13 @@ def _check_effects(effects: list[float], protocol: "Protocol") -> None:
     from stimuli.errors import InputError
     from study.cli.designs import EFFECTS, analysis_of
 
-    unit, highest = EFFECTS[analysis_of(protocol)]
+    if effects and analysis_of(protocol) not in EFFECTS:
+        raise InputError(
+            f"--effect: expected none for a {protocol.file.task} study, whose power is not "
+            f"simulated, found {effects[0]:g}; leave it out"
+        )
     for effect in effects:
+        unit, highest = EFFECTS[analysis_of(protocol)]
         if not 0 < effect < highest:
             raise InputError(
                 f"--effect: expected {unit} above 0 for a {protocol.file.task} study, found "
@@ -126,6 +131,8 @@ def describe(entry: dict[str, Any]) -> str:
     for name, held in entry["balance"].items():
         lines.append(f"{name}: {held['share']:.3f} of trials "
                      f"({held['least']:.2f} to {held['most']:.2f} in a session)")  # fmt: skip
+    for row in entry["expected"]:
+        lines.append(_told_expected(row))
     for row in entry.get("staircases", []):
         where = "goes where answers tell most"
         if row["target"] is not None:
@@ -150,6 +157,16 @@ def describe(entry: dict[str, Any]) -> str:
         lines.append(f"people recommended ({entry['recommended_for']}): "
                      f"{n if n is not None else 'more than could be tried'}")  # fmt: skip
     return "\n".join(lines + entry["warnings"])
+
+
+def _told_expected(row: dict[str, Any]) -> str:
+    """What studies of the observer come to."""
+    if "mean" not in row:
+        return f"{row['what']}, in truth {row['truth']:g}: no study could tell it"
+    return (
+        f"{row['what']}, in truth {row['truth']:g}: {row['mean']:.3g} on average, in 95 % of "
+        f"studies between {row['low']:.3g} and {row['high']:.3g}"
+    )
 
 
 def _told_ends(row: dict[str, Any]) -> list[str]:

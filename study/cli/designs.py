@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from study.cli.expected import expected, measured
+
 if TYPE_CHECKING:
     import pandas as pd
 
@@ -46,12 +48,13 @@ def one_study(job: SimulatedStudy) -> dict[str, Any]:
 
     protocol = protocol_of(job.document)
     trials, minutes, counts = simulated_trials(protocol, job)
-    return {
+    study = {
         "trials": counts,
         "minutes": minutes,
         **_JUDGED.get(analysis_of(protocol), _nothing_more)(protocol, trials, job.seed),
         "table": trials,
     }
+    return study | {"measured": measured(protocol, study)}
 
 
 def simulated_trials(
@@ -136,6 +139,7 @@ def certificate(
         "trials": range_of([n for s in studies for n in s["trials"]]),
         "minutes": range_of([n for s in studies for n in s["minutes"]]),
         "balance": balance(trials),
+        "expected": expected(protocol, studies),
         "warnings": warnings_of(options.stimuli),
     }
     part = {"thresholds": _odd_pair_part, "preferences": _preference_part}.get(

@@ -186,6 +186,14 @@ def no_conditions(document: Mapping[str, Any]) -> Iterator[Fault]:
                 yield Fault(("stimuli", "motions", n, key), "only ratings have it; remove it")
 
 
+def no_lengths(document: Mapping[str, Any], why: str) -> Iterator[Fault]:
+    """Lengths, or the one that they are compared with, of a study that shows methods."""
+    by_length = given_lengths(document)
+    if by_length or table_at(document, "stimuli").get("reference") is not None:
+        message = f"{why}; remove its lengths"
+        yield Fault(("stimuli", by_length[0] if by_length else "reference"), message)
+
+
 def no_right_answers(document: Mapping[str, Any]) -> Iterator[Fault]:
     """Faults of a study whose answers are neither right nor wrong."""
     trials = table_at(document, "trials")

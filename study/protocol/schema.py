@@ -1,5 +1,6 @@
 """What a protocol file may hold: one frozen model a table, every key with its bounds."""
 
+from collections.abc import Callable
 from typing import Annotated, ClassVar, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
@@ -127,7 +128,8 @@ class Presentation(TomlTable):
     without a width the system's word for the screen is taken.
     `void` is a late frame in what a blend mixes, or more than `late_frames_allowed` in all.
     `slow_screen_allowed` lets a screen through that has fewer refreshes than the clips frames.
-    `markers` tells of each trial's events over Lab Streaming Layer.
+    `markers` tells of each trial's events over Lab Streaming Layer; `photodiode` is the corner of a
+    square that turns with each clip frame.
     """
 
     layout: Literal["side-by-side", "one-after-other"] | None = None
@@ -143,6 +145,7 @@ class Presentation(TomlTable):
     feedback_in_practice: bool = True
     replays: Annotated[int, Field(ge=0, le=20)] = 0
     markers: bool = False
+    photodiode: Literal["top-left", "top-right", "bottom-left", "bottom-right"] | None = None
 
 
 class Keys(TomlTable):
@@ -156,10 +159,25 @@ class Keys(TomlTable):
     quit: str = "escape"
 
 
+def _names(*names: str) -> Callable[[str], str]:
+    """A check that a text names nothing in braces but what is known there."""
+
+    def checked(text: str) -> str:
+        try:
+            text.format(**dict.fromkeys(names, ""))
+        except (KeyError, IndexError, ValueError, AttributeError) as error:
+            known = " and ".join(f"{{{name}}}" for name in names)
+            raise ValueError(f"expected no braces but {known}, found {text!r}") from error
+        return text
+
+    return checked
+
+
 class Instructions(TomlTable):
     """What a participant reads; a blank text takes the task's own.
 
-    Consent comes first, then the welcome and further pages; the debriefing comes at the end.
+    Consent comes first, then the welcome and further pages; the debriefing comes at the end. Texts
+    that are written here stand in the study's own language, those of keys and feedback too.
     """
 
     consent: str = ""
@@ -167,12 +185,17 @@ class Instructions(TomlTable):
     pages: tuple[str, ...] = ()
     question: str = ""
     pause: str = ""
-    interrupted: str = (
+    interrupted: Annotated[str, AfterValidator(_names("go_on", "quit"))] = (
         "Paused.\n\nPress {go_on} to go on; what was on the screen is shown again.\n"
         "Press {quit} once more to leave. All answers so far are kept."
     )
     debriefing: str = ""
     thanks: str = "Thank you. The session is over."
+    right: str = "right"
+    wrong: str = "not this time"
+    replay: Annotated[str, AfterValidator(_names("again", "left"))] = (
+        "{again}   see it again ({left} left)"
+    )
 
 
 class Lab(TomlTable):

@@ -17,7 +17,7 @@ KEYWORDS = ("psychophysics", "motion capture", "motion transitions")
 KINDS_OF_FILE: Mapping[str, str] = {  # the first that fits
     "sub-*_beh.tsv": "trials of one session, a row a trial",
     "sub-*_beh.json": "what the columns of a session's table mean, its protocol whole, its seed",
-    "sourcedata/*_flips.tsv": "when each clip frame of a session was flipped",
+    "sourcedata/*_flips.tsv": "what clip frame each refresh showed, and when (seconds)",
     "sourcedata/*battery_*.json": "in which order a person did the protocols of a battery",
     "participants.tsv": "what is known of each person",
     "participants.json": "what the columns of participants.tsv mean",

@@ -2,7 +2,7 @@
 
 Psych-DS (psych-ds.github.io) asks for `dataset_description.json` in the words of schema.org, and
 for tables `data/**/keyword-value_…_data.csv` whose columns it lists. The data set as it was
-recorded lies in `data/raw`, which Psych-DS leaves alone.
+recorded lies in `data/raw`, which its validator is told to leave alone.
 """
 
 import csv
@@ -36,6 +36,7 @@ def pack_psych_ds(data: Path, out: Path) -> Contents:
             name = f"{protocol.get('name', 'protocol')}-{mark[:8]}.json"
             _write(folder / "materials" / "protocols" / name, protocol)
         write_atomic(folder / "README.md", _readme(held))
+        write_atomic(folder / ".psychdsignore", "data/raw/\n")
         _write(folder / "dataset_description.json", described(held, columns))
     return held
 

@@ -45,6 +45,7 @@ def open_window(
         pace=request.pace,
         simulated=request.observer == "simulated",
         interrupted=file.instructions.interrupted,
+        photodiode=file.presentation.photodiode,
     )
     mark: Mark = unmarked
     if file.presentation.markers:

@@ -36,16 +36,13 @@ class Panel:
             gl.glTexParameteri(gl.GL_TEXTURE_2D, name, gl.GL_CLAMP_TO_EDGE)
         gl.glBindTexture(gl.GL_TEXTURE_2D, 0)
 
-    def draw(self, frame: NDArray[np.uint8], window_size: tuple[int, int]) -> None:
-        """Draw one frame into the window's back buffer; row 0 is the top."""
+    def draw(self, window_size: tuple[int, int]) -> None:
+        """Draw what it was last filled with into the window's back buffer."""
         gl = self._gl
-        pixels = np.ascontiguousarray(frame)
         gl.glUseProgram(0)
         gl.glActiveTexture(gl.GL_TEXTURE0)
         gl.glEnable(gl.GL_TEXTURE_2D)
         gl.glBindTexture(gl.GL_TEXTURE_2D, self._texture)
-        gl.glPixelStorei(gl.GL_UNPACK_ALIGNMENT, 1)
-        self._fill(pixels)
         _push_pixel_matrices(gl, window_size)
         gl.glColor4f(1.0, 1.0, 1.0, 1.0)
         gl.glBegin(gl.GL_QUADS)
@@ -57,8 +54,13 @@ class Panel:
         gl.glBindTexture(gl.GL_TEXTURE_2D, 0)
         gl.glDisable(gl.GL_TEXTURE_2D)
 
-    def _fill(self, pixels: NDArray[np.uint8]) -> None:
+    def fill(self, frame: NDArray[np.uint8]) -> None:
+        """Take a frame, to be drawn from now on; row 0 is the top."""
         gl = self._gl
+        pixels = np.ascontiguousarray(frame)
+        gl.glActiveTexture(gl.GL_TEXTURE0)
+        gl.glBindTexture(gl.GL_TEXTURE_2D, self._texture)
+        gl.glPixelStorei(gl.GL_UNPACK_ALIGNMENT, 1)
         height, width = pixels.shape[:2]
         form = (gl.GL_RGB, gl.GL_UNSIGNED_BYTE, pixels.ctypes.data)
         if pixels.shape == self._shape:
@@ -66,6 +68,7 @@ class Panel:
         else:
             gl.glTexImage2D(gl.GL_TEXTURE_2D, 0, gl.GL_RGB8, width, height, 0, *form)
             self._shape = pixels.shape
+        gl.glBindTexture(gl.GL_TEXTURE_2D, 0)
 
     def delete(self) -> None:
         """Give the texture back."""

@@ -6,7 +6,9 @@ from typing import Any
 
 import numpy as np
 
+USUAL_WIDTH = 53.0  # cm, of a screen of which nobody says how wide it is
 ROW_GAP = 0.01  # of the window's width, left free beside each of several clips
+PAIR_GAP = 0.08  # and between two pairs
 
 
 @dataclass(frozen=True)
@@ -31,17 +33,22 @@ def side_by_side(
     """`count` clips beside each other in a window, both (width, height) in pixels.
 
     They fill `share` of its height, or of its width (several clips share all of that), as the
-    layout allows; larger than pixel for pixel only to `enlarge`. Edges lie between pixels.
+    layout allows; larger than pixel for pixel only to `enlarge`. Edges lie between pixels. Four
+    clips are two pairs, further apart from each other.
     """
-    across = share if count == 1 else (1 - ROW_GAP * (count + 1)) / count
+    between = round(PAIR_GAP * window[0]) if count == 4 else 0
+    across = share if count == 1 else (1 - ROW_GAP * (count + 1) - between / window[0]) / count
     fitting = min(share * window[1] / picture[1], across * window[0] / picture[0])
     scale = fitting if enlarge else min(fitting, 1.0)
     wide, tall = (max(round(scale * side), 1) for side in picture)
     step = wide + round(ROW_GAP * window[0])
-    row = count * wide + (count - 1) * (step - wide)
+    row = count * wide + (count - 1) * (step - wide) + between
     left, bottom = (window[0] - row) // 2, (window[1] - tall) // 2
     centres = tuple(
-        (left + n * step + wide / 2 - window[0] / 2, bottom + tall / 2 - window[1] / 2)
+        (
+            left + n * step + between * (n >= count / 2) + wide / 2 - window[0] / 2,
+            bottom + tall / 2 - window[1] / 2,
+        )
         for n in range(count)
     )
     return Placing((wide, tall), centres, scale)
@@ -77,6 +84,13 @@ def shown_sizes(
         "screen_width_cm": None if wide is None else round(wide, 2),
         "screen_width_from": None if wide is None else said,
     }
+
+
+def pixel_side(screen: Any, given: float | None) -> float:
+    """The side of a pixel (cm) of a pyglet screen `given` cm wide, or as the system says, else of
+    one that is as wide as most."""
+    wide = system_width(screen) if given is None else given
+    return float((wide or USUAL_WIDTH) / screen.width)
 
 
 def system_width(screen: Any) -> float | None:

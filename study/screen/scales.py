@@ -3,11 +3,12 @@
 from dataclasses import dataclass
 from typing import Any
 
+from study.screen.texts import FILLED_HEIGHT, TEXT_COLOUR, Writer
 from study.trials.prompt import RatingScale
 
-_INK = (-0.85, -0.85, -0.85)
 RADIUS, SPAN, BELOW = 0.022, 0.5, 0.18  # shares of the window's height, width and height
-LABELS = 0.055
+KEYS = 1.3  # of a letter's height, the room of the keys over the points
+LABELS = 0.46  # of the window's width, the room of the words at an end
 
 
 @dataclass(frozen=True)
@@ -16,6 +17,12 @@ class Row:
 
     points: tuple[str, ...]
     size: tuple[int, int]
+    letter: float
+
+    @property
+    def top(self) -> float:
+        """Below which it lies with its keys, pixels from the window's centre."""
+        return self.places[0][1] + self.radius + KEYS * self.letter
 
     @property
     def radius(self) -> float:
@@ -38,33 +45,34 @@ class Row:
         return None
 
 
-def draw_scale(window: Any, scale: RatingScale, keys: tuple[str, ...]) -> Row:
+def draw_scale(window: Any, writer: Writer, scale: RatingScale, keys: tuple[str, ...]) -> Row:
     """Draw a scale into the window's back buffer, each point with its key; where its points lie."""
     from psychopy import visual
 
-    row = Row(scale.points, (int(window.size[0]), int(window.size[1])))
-    height = window.size[1] / 30
+    row = Row(scale.points, (writer.wide, writer.tall), writer.height)
     visual.Line(
-        window, start=row.places[0], end=row.places[-1], lineColor=_INK, lineWidth=2, units="pix"
+        window,
+        start=row.places[0],
+        end=row.places[-1],
+        lineColor=TEXT_COLOUR,
+        lineWidth=2,
+        units="pix",
     ).draw()
+    apart = row.places[-1][0] - row.places[0][0]
     for place, key in zip(row.places, keys, strict=True):
         visual.Circle(
-            window, radius=row.radius, pos=place, fillColor=_INK, lineColor=_INK, units="pix"
+            window,
+            radius=row.radius,
+            pos=place,
+            fillColor=TEXT_COLOUR,
+            lineColor=TEXT_COLOUR,
+            units="pix",
         ).draw()
-        _text(window, key, (place[0], place[1] + 2.4 * row.radius), height)
-    down = row.places[0][1] - LABELS * window.size[1] - row.radius
+        writer.draw(key, place[1] + row.radius, row.top, place[0], apart / len(keys))
+    low, high = -FILLED_HEIGHT * writer.tall / 2, row.places[0][1] - 2 * row.radius
     for (x, _), label in ((row.places[0], scale.low), (row.places[-1], scale.high)):
-        _text(window, label, (x, down), height)
+        writer.draw(label, low, high, x, LABELS * writer.wide)
     return row
-
-
-def _text(window: Any, text: str, place: tuple[float, float], height: float) -> None:
-    from psychopy import visual
-
-    visual.TextStim(
-        window, text=text, pos=place, height=height, wrapWidth=0.3 * window.size[0], color=_INK,
-        units="pix", alignText="center",
-    ).draw()  # fmt: skip
 
 
 class Clicks:

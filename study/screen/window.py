@@ -1,34 +1,32 @@
 """The window of a session: texts, clips by frame index, answers by key, every flip logged."""
 
 import time
-from collections import deque
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from stimuli.errors import UnwritableError
 from study.protocol.schema import Instructions, Keys
 from study.screen.clips import ClipSource, Showable
+from study.screen.fliplog import log_flips
 from study.screen.home import writable_home
 from study.screen.keyboards import open_keyboard
 from study.screen.markers import Mark, unmarked
 from study.screen.panel import Panel
+from study.screen.photodiode import Patch
 from study.screen.placing import shown_sizes, side_by_side
+from study.screen.playing import WindowFlips, play
 from study.screen.refresh import Refresh, refresh_of
 from study.screen.scales import Clicks, Row, draw_scale
 from study.screen.schedule import Due, frames_late, last_refresh, schedule
 from study.screen.screens import open_on_screen
+from study.screen.texts import Writer
 from study.session.stage import Answer, Interrupted, Presented, SessionLeft
 from study.trials.prompt import Prompt
 from study.trials.tasks import Screens
 
-_INK = (-0.85, -0.85, -0.85)
 READING_SECONDS = 1.5
-SPIN_SECONDS = 0.002
 
 
 @dataclass(frozen=True)
@@ -52,6 +50,7 @@ class Look:
     picture: tuple[int, int] | None = None
     beside: int = 1
     interrupted: str = Instructions().interrupted
+    photodiode: str | None = None
 
 
 class WindowStage:
@@ -71,14 +70,12 @@ class WindowStage:
         with writable_home():
             self._window = open_on_screen(screen, windowed, look.background)
             self._keyboard = open_keyboard(self._window)
+        self._writer = Writer(self._window, look.screen_width)
+        self._patch = Patch(look.photodiode, self._size()) if look.photodiode else None
         self._refresh = refresh_of(self._window)
-        self._paced = not self._refresh.vsync
-        self._rate = self._refresh.rate
+        self._flips = WindowFlips(self._window, self._refresh, self._patch)
         self._panels: dict[tuple[int, int, tuple[int, ...]], Panel] = {}
-        self._flips: deque[float] = deque([0.0], maxlen=15)  # seconds that the last ones took
         self._shown = False  # whether clips were, since the last question
-        self._zero: float | None = None
-        self._zero_wall: float | None = None
 
     @property
     def refresh(self) -> Refresh:
@@ -87,7 +84,7 @@ class WindowStage:
 
     def first_flip(self) -> float | None:
         """Unix time of this stage's first flip, None before it."""
-        return self._zero_wall
+        return self._flips.zero_wall
 
     def display(self) -> dict[str, object]:
         """Size, refresh rate and keyboard of this window, for the sidecar."""
@@ -97,6 +94,7 @@ class WindowStage:
             **self._refresh.facts(),
             "fullscreen": bool(self._window._isFullScr),
             "keyboard": self._keyboard.timing()["keyboard"],
+            **({"photodiode": self._patch.facts()} if self._patch else {}),
             **self._clip_facts(),
         }
 
@@ -118,19 +116,27 @@ class WindowStage:
         return self._keyboard.timing()
 
     def tell(self, text: str) -> None:
-        """Show a text until the go-on key; a simulated observer reads for a moment.
+        """Show a text, in parts where it is long, each until the go-on key; a simulated observer
+        reads for a moment.
 
         A block comes after it, for which the keyboard's clock is measured.
         """
+        pages = self._writer.pages(text)
+        for number, page in enumerate(pages, start=1):
+            self._tell(page, number, len(pages))
+
+    def _tell(self, page: str, number: int, count: int) -> None:
+        keys = self._look.keys
         while True:
-            self._text(text)
+            self._writer.draw_page(page, number, count, keys.go_on.upper())
+            self._flip()
             self._keyboard.measure()
             if self._look.simulated:
                 self._wait(READING_SECONDS / self._look.pace)
                 return
             self._keyboard.listen()
             try:
-                self._await_key({self._look.keys.go_on: "on"}, None)
+                self._await_key({keys.go_on: "on"}, None)
                 return
             except Interrupted:
                 self.pause()
@@ -164,19 +170,19 @@ class WindowStage:
     def present(self, screens: Screens, label: str) -> Presented:
         """Show each screen's clips in step; they are decoded from the moment it is announced."""
         look = self._look
-        onset = 0.0 if self._zero is None else time.perf_counter() - self._zero
+        onset = 0.0 if self._flips.zero is None else self._flips.now() - self._flips.zero
         self._label = label
         self._window.callOnFlip(self._mark, f"{label} start", 0.0)
         late: list[tuple[int, ...]] = []
         for n, keys in enumerate(screens):
             count = min(self._clips.count(key) for key in keys)
-            dues = schedule(count, look.fps, self._rate, look.pace)
+            dues = schedule(count, look.fps, self._flips.rate, look.pace)
             begun = self._clips.start(keys, [due.frame for due in dues])
             self._text(str(n + 1) if len(screens) > 1 else "+")
             self._wait(look.gap / look.pace)
             self._leave_on_quit()
             self._shown = True
-            start, slow = self._play([begun[key] for key in keys], dues, f"{label} screen {n + 1}")
+            start, slow = self._play([begun[key] for key in keys], dues, label, n + 1)
             onset = start if n == 0 else onset
             late.append(slow)
         return Presented(onset, None if look.pace > 1 else tuple(late))
@@ -194,10 +200,11 @@ class WindowStage:
     def _asked(self, question: Prompt, seconds: float | None, planned: Answer | None) -> Answer:
         row = None
         if question.scale is not None:
-            row = draw_scale(self._window, question.scale, tuple(question.answers))
+            keys = tuple(question.answers)[: len(question.scale.points)]  # that of a replay is last
+            row = draw_scale(self._window, self._writer, question.scale, keys)
         if not self._shown:
             self._window.callOnFlip(self._keyboard.listen)
-        self._text(question.text, up=0.15 if row else 0.0)
+        self._text(question.text, low=row.top if row else None)
         self._shown = False
         if planned is not None and planned.response_time is not None:
             taken = planned.response_time
@@ -218,36 +225,50 @@ class WindowStage:
         """Close the window."""
         for panel in self._panels.values():
             panel.delete()
+        if self._patch:
+            self._patch.delete()
         self._clips.close()
         self._keyboard.close()
         self._window.close()
 
     def _play(
-        self, clips: Sequence[Showable], dues: Sequence[Due], label: str
+        self, clips: Sequence[Showable], dues: Sequence[Due], label: str, screen: int
     ) -> tuple[float, tuple[int, ...]]:
         """Show clips together, each frame when it is due; the onset, and which came late."""
-        look, size = self._look, self._size()
+        look, size, rate = self._look, self._size(), self._flips.rate
         width, height = clips[0].size
         panels = self._panels_for(len(clips), (height, width))
         for clip in clips:
             clip.ready()
-        flips: list[float] = []
-        self._window.callOnFlip(self._mark, label, 0.0)
-        for due in dues:
+
+        def draw(place: int) -> None:
             for panel, clip in zip(panels, clips, strict=True):
-                panel.draw(clip.frame(due.frame), size)
-            if due is dues[-1]:
+                panel.fill(clip.frame(dues[place].frame))
+            if self._patch:
+                self._patch.frame(place)
+            again()
+            if place == len(dues) - 1:
                 self._leave_on_quit()
                 self._window.callOnFlip(self._keyboard.listen)
-            if flips:
-                self._sleep_until(flips[0] + due.refresh / self._rate)
-            flips.append(self._flip())
-        end = last_refresh(dues[-1].frame + 1, look.fps, self._rate, look.pace)
-        self._sleep_until(flips[0] + end / self._rate)
-        late = tuple(frames_late(dues, flips, self._rate))
-        self._log(label, dues, flips)
-        assert self._zero is not None
-        return flips[0] - self._zero, late
+
+        def again() -> None:
+            for panel in panels:
+                panel.draw(size)
+
+        self._window.callOnFlip(self._mark, f"{label} screen {screen}", 0.0)
+        end = last_refresh(dues[-1].frame + 1, look.fps, rate, look.pace)
+        try:
+            flips = play(dues, end, self._flips, draw, again)
+        finally:
+            if self._patch:
+                self._patch.off()
+        zero, zero_wall = self._flips.zero, self._flips.zero_wall
+        assert zero is not None
+        assert zero_wall is not None
+        if self._flip_log is not None:
+            log_flips(self._flip_log, label, screen, flips, rate, zero_wall - zero)
+        fresh = [flip.at for flip in flips if flip.due is not None]
+        return flips[0].at - zero, tuple(frames_late(dues, fresh, rate))
 
     def _panels_for(self, count: int, shape: tuple[int, ...]) -> list[Panel]:
         look, picture = self._look, (shape[1], shape[0])
@@ -257,40 +278,12 @@ class WindowStage:
                 self._panels[count, n, shape] = Panel(centre, placing.size)
         return [self._panels[count, n, shape] for n in range(count)]
 
-    def _text(self, text: str, up: float = 0.0) -> None:
-        from psychopy import visual
-
-        height = self._window.size[1] / 30
-        visual.TextStim(
-            self._window,
-            text=text,
-            height=height,
-            wrapWidth=0.8 * self._window.size[0],
-            color=_INK,
-            units="pix",
-            alignText="center",
-            pos=(0, up * self._window.size[1]),
-        ).draw()
+    def _text(self, text: str, low: float | None = None) -> None:
+        self._writer.draw(text, low=low)
         self._flip()
 
     def _flip(self) -> float:
-        begun = time.perf_counter()
-        self._window.flip()
-        now = time.perf_counter()
-        self._flips.append(now - begun)
-        if self._zero is None:
-            self._zero, self._zero_wall = now, time.time()
-        return now
-
-    def _sleep_until(self, due: float) -> None:
-        """Wait for a due flip: half a refresh before it, or as long as flips take where the screen
-        waits for none."""
-        at = due - (float(np.median(self._flips)) if self._paced else 0.5 / self._rate)
-        rest = at - time.perf_counter() - SPIN_SECONDS
-        if rest > 0:
-            time.sleep(rest)
-        while time.perf_counter() < at:
-            pass
+        return self._flips.flip()
 
     def _wait(self, seconds: float) -> None:
         end = time.perf_counter() + seconds
@@ -328,26 +321,3 @@ class WindowStage:
             time.sleep(0.002)
             self._window.winHandle.dispatch_events()
         return Answer(None, None)
-
-    def _log(self, label: str, dues: Sequence[Due], flips: Sequence[float]) -> None:
-        if self._flip_log is None:
-            return
-        assert self._zero is not None
-        assert self._zero_wall is not None
-        to_wall = self._zero_wall - self._zero
-        lines = [
-            f"{label}\t{due.frame}\t{due.refresh / self._rate:.6f}\t{flip - flips[0]:.6f}"
-            f"\t{flip + to_wall:.6f}\n"
-            for due, flip in zip(dues, flips, strict=True)
-        ]
-        new = not self._flip_log.exists()
-        try:
-            with self._flip_log.open("a", encoding="utf-8") as stream:
-                if new:
-                    stream.write("trial\tframe\tdue\tflip\tunix_time\n")
-                stream.writelines(lines)
-        except OSError as error:
-            raise UnwritableError(
-                f"{self._flip_log}: the flips of {label} could not be written: "
-                f"{error.strerror or error}"
-            ) from error

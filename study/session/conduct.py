@@ -21,7 +21,10 @@ TOO_SLOW = (
     "this machine is too slow: trials are shown late, and no more of them are asked again; "
     "close other programs, or render smaller clips"
 )
-CORRECT, WRONG = "right", "not this time"
+LATE_BY_CLOCK = (
+    "frames came late by the clock that paces this screen, which has no vertical blank (a virtual "
+    "one has none), and no more trials are asked again; a lab's screen will tell its own"
+)
 
 
 def rows_of_plan(
@@ -66,7 +69,7 @@ def run(
             _warn_when_slow(record)
         if trial.phase == "practice" and settings.feedback and task.catch:
             right = task.correct(trial.content, outcome.response)
-            stage.flash(CORRECT if right else WRONG)
+            stage.flash(settings.feedback_texts[not right])
         if pause_due(before, progress) and next_trial(progress) is not None:
             stage.tell(settings.pause)
             _note_timing(record, stage, earlier)
@@ -113,7 +116,8 @@ def _warn_when_slow(record: Record) -> None:
     """Say once, aloud and in the sidecar, that late trials are no longer asked again."""
     if not record.sidecar.get("TooSlow"):
         record.save_sidecar(TooSlow=True)
-        warnings.warn(TOO_SLOW, InputWarning, stacklevel=2)
+        clocked = record.sidecar.get("Display", {}).get("vsync") is False
+        warnings.warn(LATE_BY_CLOCK if clocked else TOO_SLOW, InputWarning, stacklevel=2)
 
 
 def row_of(task: Task, trial: Trial, outcome: Outcome, clips: Clips) -> dict[str, Any]:

@@ -43,6 +43,8 @@ class Settings:
     layout: str | None
     replays: int
     again: str
+    replay: str
+    feedback_texts: tuple[str, str]  # of a right answer and of a wrong one
 
 
 def settings_of(plan: Plan, task: Task) -> Settings:
@@ -60,6 +62,8 @@ def settings_of(plan: Plan, task: Task) -> Settings:
         feedback=file.presentation.feedback_in_practice,
         replays=file.presentation.replays,
         again=file.keys.again,
+        replay=file.instructions.replay,
+        feedback_texts=(file.instructions.right, file.instructions.wrong),
         layout=None if file.presentation.layout == task.layout else file.presentation.layout,
     )
 
@@ -124,10 +128,10 @@ def _with_replay(prompt: Prompt, settings: Settings, left: int) -> Prompt:
     """The question with one more key, which shows the trial again, while some replays are left."""
     if left < 1:
         return prompt
-    times = "once more" if left == 1 else f"up to {left} times more"
+    told = settings.replay.format(again=settings.again, left=left)
     return replace(
         prompt,
-        text=f"{prompt.text}\n\n{settings.again}   see it again ({times})",
+        text=f"{prompt.text}\n\n{told}",
         answers={**prompt.answers, settings.again: AGAIN},
     )
 

@@ -77,9 +77,11 @@ def _session(place: Path) -> tuple[list[dict[str, str]], dict[int, list[float]]]
     log = next((place / "data" / "sourcedata").rglob("*_flips.tsv"))
     flips: dict[int, list[float]] = {}
     for line in _table(log):
-        words = line["trial"].split()
-        if words[0] == "trial":
-            flips.setdefault(int(words[1]), []).append(float(line["unix_time"]))
+        if line["unix_time"] != "n/a":
+            began = float(line["unix_time"])
+        if line["trial"].startswith("trial "):
+            number = int(line["trial"].removeprefix("trial "))
+            flips.setdefault(number, []).append(began + float(line["flip"]))
     return _table(record), flips
 
 

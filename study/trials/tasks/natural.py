@@ -10,16 +10,16 @@ from scipy.special import expit, logit
 
 from study.protocol.faults import (
     Fault,
-    given_lengths,
     given_methods,
     no_conditions,
+    no_lengths,
     no_right_answers,
     table_at,
 )
 from study.protocol.schema import ObserverTable, ProtocolFile, Share
 from study.trials.deck import Card, Supply, shuffled
 from study.trials.plan import Plan
-from study.trials.tasks.task import Responder, Screens, Task, alternatives
+from study.trials.tasks.task import Held, Responder, Screens, Task, alternatives
 from study.trials.trial import ClipKey, Outcome
 
 NATURAL, UNNATURAL = "natural", "unnatural"
@@ -96,14 +96,22 @@ def person(plan: Plan, truth: NaturalObserver, generator: np.random.Generator) -
     return respond
 
 
+def holds(file: ProtocolFile, truth: NaturalObserver) -> Iterator[Held]:
+    """The share of each method's clips that is called natural."""
+    for method, share in truth.natural.items():
+
+        def told(row: Mapping[str, Any], method: str = method) -> float | None:
+            of_it = str(row["clip"]).endswith(f"/{method}")  # as a clip of no set is called
+            return float(row["response"] == NATURAL) if of_it else None
+
+        yield Held(f"{NATURAL}, {method}", share, told)
+
+
 def faults(document: Mapping[str, Any]) -> Iterator[Fault]:
     """What is wrong with a protocol of this task beyond single keys."""
     yield from no_conditions(document)
     yield from no_right_answers(document)
-    by_length = given_lengths(document)
-    if by_length or table_at(document, "stimuli").get("reference") is not None:
-        message = "a study of naturalness shows methods; remove its lengths"
-        yield Fault(("stimuli", by_length[0] if by_length else "reference"), message)
+    yield from no_lengths(document, "a study of naturalness shows methods")
     methods = set(map(str, given_methods(document)))
     if not methods:
         yield Fault(("methods",), "expected the methods whose clips are shown, found none")
@@ -114,7 +122,7 @@ def faults(document: Mapping[str, Any]) -> Iterator[Fault]:
             yield Fault(("observer", "natural"), message)
 
 
-_QUESTION = "Was the motion natural?\n\n{first}   natural        {second}   not natural"
+_QUESTION = "Was the motion natural?\n\n{first}   natural\n{second}   not natural"
 
 TASK = Task(
     name="natural",
@@ -141,4 +149,5 @@ TASK = Task(
     correct=correct,
     row=row,
     person=person,
+    holds=holds,
 )

@@ -15,7 +15,7 @@ from study.trials.chain import stationary
 from study.trials.deck import Card, Supply, shuffled
 from study.trials.ends import Observers, ends_of
 from study.trials.plan import Plan
-from study.trials.tasks.task import Responder, Screens, Task, alternatives
+from study.trials.tasks.task import Held, Responder, Screens, Task, alternatives
 from study.trials.tracks import StaircaseTable, Tracks, make_rule, start_tracks, track_faults
 from study.trials.trial import ClipKey, Outcome
 
@@ -165,6 +165,12 @@ def person(plan: Plan, truth: OddPairObserver, generator: np.random.Generator) -
     return respond
 
 
+def holds(file: ProtocolFile, truth: OddPairObserver) -> Iterator[Held]:
+    """The threshold of each side (signed frames), of which no row alone tells."""
+    for side, threshold in truth.sides().items():
+        yield Held(f"threshold {side}", threshold, lambda row: None)
+
+
 def settles(plan: Plan) -> list[dict[str, Any]]:
     """Where each staircase settles on the protocol's observer, exactly, from its Markov chain.
 
@@ -264,8 +270,7 @@ def _file(plan: Plan) -> OddPairFile:
 
 
 _QUESTION = (
-    "Which pair held two different motions?\n\n"
-    "{first}   the first pair        {second}   the second pair"
+    "Which pair held two different motions?\n\n{first}   the first pair\n{second}   the second pair"
 )
 
 TASK = Task(
@@ -302,6 +307,7 @@ TASK = Task(
     correct=correct,
     row=row,
     person=person,
+    holds=holds,
     settles=settles,
     ends=ends,
 )

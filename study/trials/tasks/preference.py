@@ -10,16 +10,16 @@ from pydantic import Field
 
 from study.protocol.faults import (
     Fault,
-    given_lengths,
     given_methods,
     no_conditions,
+    no_lengths,
     no_right_answers,
     table_at,
 )
 from study.protocol.schema import ObserverTable, ProtocolFile, Share
 from study.trials.deck import Card, Supply, shuffled
 from study.trials.plan import Plan
-from study.trials.tasks.task import Responder, Screens, Task, alternatives
+from study.trials.tasks.task import Held, Responder, Screens, Task, alternatives
 from study.trials.trial import ClipKey, Outcome
 
 _TINY = 1e-12  # stands for a probability of 0 in odds
@@ -130,6 +130,26 @@ def person(plan: Plan, truth: PreferenceObserver, generator: np.random.Generator
     return respond
 
 
+def holds(file: ProtocolFile, truth: PreferenceObserver) -> Iterator[Held]:
+    """Of each two methods the share of answers for the first, by category where that decides."""
+    nested = {name: held for name, held in truth.prefer.items() if isinstance(held, Mapping)}
+    for category in list(nested) or [""]:
+        shares = _shares(truth.prefer, category)
+        for a, b in combinations(file.methods, 2):
+
+            def told(
+                row: Mapping[str, Any], pair: frozenset[str] = frozenset((a, b)), a: str = a,
+                category: str = category,
+            ) -> float | None:  # fmt: skip
+                of_them = {row["first_method"], row["second_method"]} == pair
+                if not of_them or category not in ("", row["category"]):
+                    return None
+                return float(row["chosen_method"] == a) if row["chosen_method"] in pair else None
+
+            odds = _odds(shares[a], shares[b])
+            yield Held(f"{a} over {b}{category and f', {category}'}", odds / (1 + odds), told)
+
+
 def _shares(prefer: Mapping[str, Any], category: str) -> Mapping[str, float]:
     nested = prefer.get(category)
     return nested if isinstance(nested, Mapping) else prefer
@@ -144,10 +164,7 @@ def faults(document: Mapping[str, Any]) -> Iterator[Fault]:
     yield from no_conditions(document)
     methods = given_methods(document)
     yield from no_right_answers(document)
-    by_length = given_lengths(document)
-    if by_length or table_at(document, "stimuli").get("reference") is not None:
-        message = "a preference study compares methods; remove its lengths"
-        yield Fault(("stimuli", by_length[0] if by_length else "reference"), message)
+    yield from no_lengths(document, "a preference study compares methods")
     if len(set(map(str, methods))) < 2:
         yield Fault(("methods",), f"expected two or more methods to compare, found {methods}")
     if not table_at(document, "observer"):
@@ -162,7 +179,7 @@ def faults(document: Mapping[str, Any]) -> Iterator[Fault]:
             yield Fault(path, message)
 
 
-_QUESTION = "Which motion was more natural?\n\n{first}   the first        {second}   the second"
+_QUESTION = "Which motion was more natural?\n\n{first}   the first\n{second}   the second"
 
 TASK = Task(
     name="preference",
@@ -192,5 +209,6 @@ TASK = Task(
     correct=correct,
     row=row,
     person=person,
+    holds=holds,
     answer_seconds=5.0,
 )

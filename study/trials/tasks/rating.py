@@ -11,12 +11,12 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field
 
-from study.protocol.faults import Fault, given_lengths, given_methods, no_right_answers, table_at
+from study.protocol.faults import Fault, given_methods, no_lengths, no_right_answers, table_at
 from study.protocol.schema import ObserverTable, ProtocolFile, TomlTable
 from study.trials.deck import Card, Deck, Supply
 from study.trials.plan import Plan
 from study.trials.prompt import Prompt, RatingScale
-from study.trials.tasks.task import Responder, Screens, Task
+from study.trials.tasks.task import Held, Responder, Screens, Task
 from study.trials.trial import ClipKey, Outcome
 
 POINTS = ("1", "2", "3", "4", "5")
@@ -191,6 +191,20 @@ def person(plan: Plan, truth: RatingObserver, generator: np.random.Generator) ->
     return respond
 
 
+def holds(file: ProtocolFile, truth: RatingObserver) -> Iterator[Held]:
+    """The mean rating of each question, by method or comparing them."""
+    asked = [(q, method, held) for q, rated in truth.rate.items() for method, held in rated.items()]
+    for question, method, held in (*asked, *((q, "", held) for q, held in truth.compare.items())):
+
+        def told(
+            row: Mapping[str, Any], question: str = question, method: str = method
+        ) -> float | None:
+            about = row["method"] if isinstance(row["method"], str) else ""
+            return float(row["rating"]) if (row["question"], about) == (question, method) else None
+
+        yield Held(f"{question}{method and f', {method}'}", held.mean, told)
+
+
 def faults(document: Mapping[str, Any]) -> Iterator[Fault]:
     """What is wrong with a protocol of this task beyond single keys."""
     trials = table_at(document, "trials")
@@ -198,10 +212,7 @@ def faults(document: Mapping[str, Any]) -> Iterator[Fault]:
     for key in ("practice", "repeats"):
         if trials.get(key):
             yield Fault(("trials", key), "a study of ratings has none; remove it")
-    by_length = given_lengths(document)
-    if by_length or table_at(document, "stimuli").get("reference") is not None:
-        message = "a study of ratings compares clips of two methods; remove its lengths"
-        yield Fault(("stimuli", by_length[0] if by_length else "reference"), message)
+    yield from no_lengths(document, "a study of ratings compares clips of two methods")
     yield from _two_clips(document)
     keys = table_at(document, "keys")
     for name in ("go_on", "quit"):
@@ -287,5 +298,6 @@ TASK = Task(
     correct=correct,
     row=row,
     person=person,
+    holds=holds,
     groups=lambda file: 2,
 )

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,6 +17,14 @@ Screens = tuple[tuple[ClipKey, ...], ...]
 Responder = Callable[[Any, np.random.Generator], str]
 
 
+class Held(NamedTuple):
+    """A number of the table [observer], and what a row of a record tells of it (None: nothing)."""
+
+    what: str
+    truth: float
+    told: Callable[[Mapping[str, Any]], float | None]
+
+
 @dataclass(frozen=True)
 class Task:
     """A task by its functions; `content` is the task's own frozen type.
@@ -26,7 +34,8 @@ class Task:
     `catch` give cards outside the supply (None: the task has no such trials), `screens` says
     which clips are shown together and in what order (none: only the question is), `clips` which
     ones, two at most, the record names. `ask` is the question of a trial. `person` draws a
-    simulated participant from the protocol's table [observer]. `welcome` names the
+    simulated participant from the protocol's table [observer], and `holds` says what a study of
+    such people should come to. `welcome` names the
     keys `{first}`, `{second}` and `{go_on}`, and the `{seconds}` to answer. `groups` is how many
     groups of people there are, who are given different orders. `analysis` names the part of the
     report that the answers go to. `settles` says exactly where each
@@ -51,6 +60,7 @@ class Task:
     correct: Callable[[Any, str | None], bool | None]
     row: Callable[[Any, Outcome], dict[str, object]]
     person: Callable[[Plan, Any, np.random.Generator], Responder]
+    holds: Callable[[Any, Any], Iterator[Held]]
     answer_seconds: float | None = None
     settles: Callable[[Plan], list[dict[str, Any]]] | None = None
     ends: Callable[[Plan, np.random.Generator], list[dict[str, Any]]] | None = None

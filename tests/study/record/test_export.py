@@ -67,6 +67,13 @@ def test_psych_ds_asks_for_nothing_that_is_not_there(data: Path, tmp_path: Path)
         assert len(set(header)) == len(header)
         used |= set(header)
     assert used == set(named)
+    required = {"name", "description", "variableMeasured", "schemaVersion", "author", "license"}
+    assert required <= {key for key, value in document.items() if value}
+    assert all("@type" in held for key in ("author", "variableMeasured") for held in document[key])
+    assert (out / ".psychdsignore").read_text() == "data/raw/\n"
+    assert {path.name for path in out.iterdir()} - {".psychdsignore"} == {
+        "data", "results", "materials", "README.md", "dataset_description.json",
+    }  # fmt: skip
     assert (out / "results/segue/report.html").is_file()
     assert len(list((out / "materials/protocols").glob("*.json"))) == 2
 

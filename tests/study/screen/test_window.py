@@ -9,6 +9,7 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import suppress
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,9 @@ from stimuli.motion import Library
 from study.protocol.sets import set_spec
 from study.screen.priority import may_have_priority
 from study.screen.virtual import virtual_screen
+from study.session.simulation import rows as session_rows
+from study.trials.observers import Simulated
+from study.trials.plan import make_plan
 from study.trials.reading import parse_protocol
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -166,17 +170,31 @@ def test_a_simulated_observer_sits_before_the_same_window(place: Path, screen: s
     assert (np.diff(onsets) > 0).all()
     flips = place / "data/sourcedata/sub-sim/beh/sub-sim_task-windowtest_run-1_flips.tsv"
     shown = [line.split("\t") for line in flips.read_text().splitlines()[1:]]
-    last_frames = {line[0]: int(line[1]) for line in shown}
+    last_frames = {(line[0], line[1]): int(line[2]) for line in shown}
     assert len(last_frames) == 8
     assert set(last_frames.values()) == {14}
 
 
-def test_a_killed_session_loses_no_answer_and_goes_on(place: Path, screen: str) -> None:
-    process = subprocess.Popen(command(place, "killed"), cwd=ROOT, stdin=subprocess.DEVNULL)
-    press_until(process, ("space", "1"), lambda: len(record(place, "killed")) >= 2)
-    os.kill(process.pid, signal.SIGKILL)
-    process.wait()
-    before = record(place, "killed")
+def test_a_session_killed_three_times_loses_no_answer_and_goes_on(place: Path, screen: str) -> None:
+    """Killed at random moments of a trial; its rows are those of a session that nobody killed."""
+    plan = make_plan(parse_protocol(PROTOCOL), {"m": 10}, 4)
+    whole = list(session_rows(plan, Simulated(lambda content, draw: "1")))
+    moments = np.random.default_rng(3).uniform(0.0, 1.2, 3)
+    kept: list[dict[str, str]] = []
+    for times, moment in enumerate(moments):
+        resume = ["--resume"] if times else []
+        process = subprocess.Popen(
+            command(place, "killed", *resume), cwd=ROOT, stdin=subprocess.DEVNULL
+        )
+        wanted = times + 1
+        press_until(process, ("space", "1"), lambda n=wanted: len(record(place, "killed")) >= n)
+        time.sleep(moment)
+        os.kill(process.pid, signal.SIGKILL)
+        process.wait()
+        before, kept = kept, record(place, "killed")
+        assert len(kept) >= wanted
+        assert kept[: len(before)] == before
+        assert not sidecar(place, "killed")["Finished"]
     refused = subprocess.run(
         command(place, "killed"), cwd=ROOT, capture_output=True, text=True,
         stdin=subprocess.DEVNULL, timeout=60,
@@ -189,8 +207,11 @@ def test_a_killed_session_loses_no_answer_and_goes_on(place: Path, screen: str) 
     press_until(process, ("space", "1"), lambda: process.poll() is not None)
     assert process.returncode == 0
     after = record(place, "killed")
-    assert after[: len(before)] == before
-    assert [row["trial"] for row in after] == ["1", "2", "3", "4"]
+    assert after[: len(kept)] == kept
+    same = ("trial", "phase", "track", "length", "odd_pair", "odd_position", "correct", "response")
+    assert [[row[key] for key in same] for row in after] == [
+        [str(row[key]) for key in same] for row in whole
+    ]
     onsets = [float(row["onset"]) for row in after]
     assert onsets == sorted(onsets)
 
@@ -267,7 +288,7 @@ def press(key):
 def let_go(key):
     subprocess.run(["xdotool", "keyup", key], check=True)
     time.sleep(0.05)
-def draw_slowly(text, up=0.0):
+def draw_slowly(text, low=None):
     let_go("1")
     press("2")
     let_go("2")
@@ -425,11 +446,11 @@ look = Look(
 clips = Held({ClipKey(name): clip for name, clip in frames.items()})
 stage = WindowStage(look, clips, None, windowed=True)
 pictures = []
-flip = stage._flip
+flip = stage._flips.flip
 def kept():
     pictures.append(np.asarray(stage.picture()))
     return flip()
-stage._flip = kept
+stage._flips.flip = kept
 stage.present(((ClipKey("a"), ClipKey("b")),), "t")
 np.save(sys.argv[1], pictures[-1])
 stage.close()
@@ -466,29 +487,64 @@ for key, first in ((A, 10), (B, 140)):
     values = np.arange(first, first + 90, dtype=np.uint8)
     write_video(path, np.broadcast_to(values[:, None, None, None], (90, 60, 80, 3)), 30.0)
     files[key] = ClipFile(path, None, 90, 0, 90, 80, 60)
-look = Look(Keys(), 0.1, 0.6, 30.0, (127, 127, 127), simulated=True, enlarge=True)
-stage = WindowStage(look, Decoder(files.__getitem__), None, windowed=True)
+look = Look(Keys(), 0.1, 0.6, 30.0, (127, 127, 127), simulated=True, enlarge=True,
+            photodiode="top-right")
+log = Path(sys.argv[1]) / "flips.tsv"
+stage = WindowStage(look, Decoder(files.__getitem__), log, windowed=True)
 width, height = (int(v) for v in stage._window.size)
-flip, shown = stage._flip, []
+flip, shown = stage._window.flip, []
 def kept():
     picture = np.asarray(stage.picture())
     shown.append([int(picture[height // 2, x, 0]) for x in (width // 4, 3 * width // 4)])
-    return flip()
-stage._flip = kept
+    shown[-1].append(int(picture[5, width - 5, 0]))
+    flip()
+stage._window.flip = kept
 late = [stage.present(((A, B), (B, B)), f"trial {n}").late for n in (1, 2)]
+facts = stage.display()["photodiode"]
 stage.close()
-print(json.dumps({"shown": shown, "late": late}))
+print(json.dumps({"shown": shown, "late": late, "facts": facts}))
 """
 
 
 def test_every_frame_of_a_clip_appears_once_and_in_order(tmp_path: Path, screen: str) -> None:
-    """Read back from frames that are painted with their number, at pace 1, in two trials."""
+    """Read back from frames that are painted with their number, at pace 1, in two trials.
+
+    The square of the photodiode turns with each of them; the log has every flip, in order.
+    """
     done = subprocess.run(
         [sys.executable, "-c", PAINTED, str(tmp_path)],
         cwd=ROOT, capture_output=True, text=True, check=True, timeout=120,
     )  # fmt: skip
+    told = json.loads(done.stdout)
     a, b = list(range(10, 100)), list(range(140, 230))
     screens = [list(zip(a, b, strict=True)), list(zip(b, b, strict=True))] * 2
-    shown = [tuple(pair) for pair in json.loads(done.stdout)["shown"]]
-    announced = (127, 127)  # the background, where a screen is announced
-    assert [pair for pair in shown if pair != announced] == [p for s in screens for p in s]
+    flipped = [(*pair, patch) for *pair, patch in told["shown"]]
+    shown = [seen for seen, _ in groupby(flipped)]  # a frame is there until the next is due
+    announced = (127, 127, 0)  # the background, where a screen is announced, and the square off
+    clips = [seen for seen in shown if seen != announced]
+    assert [(left, right) for left, right, _ in clips] == [pair for s in screens for pair in s]
+    assert [patch for *_, patch in clips] == [255, 0] * (len(clips) // 2)
+    assert told["facts"] == {"corner": "top-right", "side": 29}
+    header, *lines = (tmp_path / "flips.tsv").read_text().splitlines()
+    log = [dict(zip(header.split("\t"), line.split("\t"), strict=True)) for line in lines]
+    assert len(log) == sum(seen != announced for seen in flipped)
+    first = [10, 140] * 2
+    pictures = (seen[0] for seen in flipped if seen != announced)
+    for (key, rows), start in zip(
+        groupby(log, lambda row: (row["trial"], row["screen"])), first, strict=True
+    ):
+        held = list(rows)
+        assert key[0] in ("trial 1", "trial 2")
+        assert [int(row["frame"]) + start for row in held] == [next(pictures) for _ in held]
+        new = [row for row in held if row["due"] != "n/a"]
+        assert [int(row["frame"]) for row in new] == list(range(90))
+        assert [float(row["due"]) for row in new] == pytest.approx(np.arange(90) / 30, abs=1e-4)
+        assert [row["unix_time"] != "n/a" for row in held] == [True] + [False] * (len(held) - 1)
+    late = [len(frames) for trial in told["late"] for frames in trial]
+    screens_of = groupby(log, lambda row: (row["trial"], row["screen"]))
+    behind = [
+        np.array([float(row["flip"]) - float(row["due"]) for row in rows if row["due"] != "n/a"])
+        for _, rows in screens_of
+    ]
+    for count, seconds in zip(late, behind, strict=True):  # logged to a tenth of a millisecond
+        assert (seconds > 1 / 120 + 2e-4).sum() <= count <= (seconds > 1 / 120 - 2e-4).sum()

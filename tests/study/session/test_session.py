@@ -302,7 +302,7 @@ def test_texts_name_the_protocols_keys_and_seconds() -> None:
     assert "Press f for the first, j for the second" in settings.pages[0]
     assert "8 seconds" in settings.pages[0]
     assert "Press RETURN" in settings.pages[0]
-    assert "f   the first        j   the second" in question.text
+    assert "f   the first\nj   the second" in question.text
     assert question.answers == {"f": "first", "j": "second"}
     assert "Press RETURN" in settings.pause
 

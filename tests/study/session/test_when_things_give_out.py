@@ -219,7 +219,7 @@ def test_a_rehearsal_shows_the_middle_of_the_studys_clips(place: Path, screen: s
     manifest = load_manifest(place / "stimulus-sets/frail")
     assert facts["StimulusSetHash"] == manifest.hash
     assert facts["Rehearsal"]
-    assert {int(row[1]) for row in flips_of(place, "whole")} == set(range(18))
+    assert {int(row[2]) for row in flips_of(place, "whole")} == set(range(18))
     assert not (place / "stimulus-sets/frail-rehearsal").exists()
 
 
@@ -255,7 +255,8 @@ def test_keys_that_nobody_can_press_are_refused(
     process = segue(place, "run", str(SHARED / case), "--participant", "p01")
     told = said(process)
     assert process.returncode == 2
-    assert word in told or f"{case}:{line}" in told
+    assert word in told
+    assert f"{case}:{line}" in told
 
 
 def test_a_clip_that_was_cut_short_is_named_before_it_is_shown(
@@ -334,3 +335,32 @@ def test_simulated_people_are_nobodys_twins(place: Path, tmp_path: Path) -> None
     said(process)
     assert process.returncode == 0
     assert sorted(path.name for path in tmp_path.glob("sub-*")) == ["sub-SIM001", "sub-sim002"]
+
+
+@pytest.mark.parametrize("case", of_cases(["stair_reversals_only.toml"]))
+def test_a_study_that_nothing_would_end_ends_by_itself_and_records_it(
+    case: str, tmp_path: Path, place: Path
+) -> None:
+    """Somebody who is always right never reverses: every track has a most of trials."""
+    process = segue(
+        place, "simulate", str(SHARED / case), "--participants", "1", "--data", str(tmp_path)
+    )
+    said(process)
+    assert process.returncode == 0
+    (sidecar,) = tmp_path.glob("sub-sim001/beh/*_beh.json")
+    tracks = json.loads(sidecar.read_text())["Tracks"].values()
+    assert len(sidecar.with_suffix(".tsv").read_text().splitlines()) < 2000
+    assert all(track["stopped_by"] for track in tracks)
+    assert any(track["stopped_by"].startswith("most") for track in tracks)
+
+
+@pytest.mark.parametrize("case", of_cases(["plain.toml"]))
+def test_a_participant_whose_name_differs_by_case_alone_is_refused(
+    case: str, tmp_path: Path, place: Path
+) -> None:
+    (tmp_path / "sub-P01").mkdir()
+    words = ("run", str(SHARED / case), "--participant", "p01", "--data", str(tmp_path))
+    told = said(process := segue(place, *words))
+    assert process.returncode == 2
+    assert "P01" in told
+    assert [path.name for path in tmp_path.iterdir()] == ["sub-P01"]
