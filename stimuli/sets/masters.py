@@ -11,6 +11,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from stimuli.errors import InputError, MachineError, UnwritableError
 from stimuli.files import NO_ROOM, sha256, write_atomic
 from stimuli.render.video import (
@@ -94,13 +96,13 @@ def clip_content(path: Path, told: str | None) -> bytes:
 
 
 def clip_frames(entry: Any, wanted: Sequence[int] | None = None) -> Iterator[Pictures]:
-    """The frames (height, width, 3) of a manifest's clip one by one: all, or those wanted, ascending.
+    """The frames (height, width, 3) of a manifest's clip one by one: all, or those wanted.
 
     InputError as for `read_clip`; of a large clip no more than a frame is held.
     """
     content = clip_content(entry.path, entry.document.get("file_sha256"))
     numbers = range(entry.frames) if wanted is None else wanted
-    return wanted_frames(entry.path, content, numbers, entry.frames)
+    return map(np.ascontiguousarray, wanted_frames(entry.path, content, numbers, entry.frames))
 
 
 def read_clip(entry: Any) -> Pictures:
