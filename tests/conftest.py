@@ -14,16 +14,26 @@ settings.register_profile(
 settings.load_profile("any machine")
 
 SHARED = Path(__file__).resolve().parents[2] / "shared" / "motions"
-ABSENT = "captured motion of another licence, and cases, kept beside the checkout"
+ABSENT = "captured motion of another licence, kept beside the checkout"
+NO_CASES = "small inputs with the right answer of each, kept beside the checkout"
 
 
 def of_captured(choices: Iterable[Any]) -> list[Any]:
     """Parameters of a test of captured motion: where there is none, one that says so."""
+    return _where(SHARED.is_dir(), choices, ABSENT)
+
+
+def of_cases(choices: Iterable[Any]) -> list[Any]:
+    """Parameters of a test of the cases: where there are none, one that says so."""
+    return _where((SHARED.parent / "cases").is_dir(), choices, NO_CASES)
+
+
+def _where(there: bool, choices: Iterable[Any], reason: str) -> list[Any]:
     first, *others = choices
-    if SHARED.is_dir():
+    if there:
         return [first, *others]
     values = first if isinstance(first, tuple) else (first,)
-    return [pytest.param(*values, marks=pytest.mark.skip(reason=ABSENT))]
+    return [pytest.param(*values, marks=pytest.mark.skip(reason=reason))]
 
 
 @pytest.fixture(scope="session")
@@ -58,7 +68,7 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
             why = ABSENT
         lacking[why] = lacking.get(why, 0) + 1
     for why, count in lacking.items():
-        place = f" (it would lie in {SHARED.parent})" if why == ABSENT else ""
+        place = f" (in {SHARED.parent})" if why in (ABSENT, NO_CASES) else ""
         terminalreporter.write_line(
             f"{count} test{'s' * (count > 1)} skipped, for want of: {why}{place}"
         )

@@ -34,11 +34,15 @@ REASONS = (
     "the proportion right falls with the level",
     "the lapse rate is at its bound of {bound:g}: people miss for other reasons than the level, or "
     "the bound is too low",
+    "the threshold lies below {least:g}, the least level shown: show smaller ones",
+    "the threshold lies above {most:g}, the greatest level shown: show greater ones",
     "the slope is at its bound (a step or a flat line fits as well)",
     "the threshold lies outside the levels shown",
     "the {interval:.0%} profile interval of the threshold is unbounded",
 )
-BELOW_P = 1e-3  # of a binomial test of fewer right answers than by guessing
+BELOW_P = (
+    1e-3  # of a binomial test of fewer right answers than by guessing, or than the threshold's
+)
 WIDE = 0.8  # of what the guess rate leaves: the bound that a lapse rate at its own is tried with
 BETTER = 0.5  # log likelihood by which the wider bound must fit better
 AT_BOUND = 1e-4  # a free lapse rate as close to its bound is at it
@@ -80,11 +84,14 @@ def judge(
     guess = fits.setting.guess
     below = _at_most(right, trials, guess) < BELOW_P
     lapses = _bound_too_low(levels, fits, correct, total)
-    lowest = levels[shown.argmax(1)]
-    highest = levels[len(levels) - 1 - shown[:, ::-1].argmax(1)]
-    outside = ~((threshold >= lowest) & (threshold <= highest))
+    least, most = shown.argmax(1), len(levels) - 1 - shown[:, ::-1].argmax(1)
+    outside = ~((threshold >= levels[least]) & (threshold <= levels[most]))
     falls = falling.value > fits.value
-    faults = (one, perfect, above, below, flat, falls, lapses, at_bound, outside)
+    table = np.arange(len(total))
+    easy = 1 - _at_most(correct[table, least] - 1, total[table, least], at) < BELOW_P
+    hard = _at_most(correct[table, most], total[table, most], at) < BELOW_P
+    easy, hard = easy & (at_bound | outside), hard & (at_bound | outside)
+    faults = (one, perfect, above, below, flat, falls, lapses, easy, hard, at_bound, outside)
     low, high = threshold_interval(fits, correct, total, at, INTERVAL)
     unbounded = ~(np.isfinite(low) & np.isfinite(high) & (_above_zero(low, fits)))
     for reason, fault in reversed(list(enumerate((*faults, unbounded), start=1))):
@@ -132,6 +139,7 @@ def verdict_words(verdict: int, what: Setting, levels: Array, correct: Array, to
     p = float(_at_most(np.array(right), np.array(trials), what.guess))
     return "not identifiable: " + REASONS[verdict].format(
         least=levels[total > 0].min(),
+        most=levels[total > 0].max(),
         right=right,
         trials=trials,
         guess=what.guess,

@@ -30,6 +30,7 @@ from analysis.thresholds import ALL, Entry, entries, fit_plan_of, prepared, sign
 
 # Told as report.json tells them: nothing of a fit whose first threshold the verdict denies.
 OF_THE_FIT = ("slope", "lapse", "deviance", "deviance_p")
+_OF_TRACKS = {"stop_level": "Most visited", "reversal_mean": "Reversals"}
 SIDE_WORDS = {"shorter": "shorter blends", "longer": "longer blends"}
 
 
@@ -57,8 +58,7 @@ def report_odd_pair(context: Context) -> Findings:
     sections += [shown_section(context, shown)] if shown else []
     people = [entry for entry in found if entry.participant != ALL]
     sections += [_people_section(context, people)] if people else []
-    constant = bool(context.protocol) and "staircase" not in context.protocol
-    sections += [] if constant else [track_section(context, trials)]
+    sections += [track_section(context, trials)] if _has_tracks(context) else []
     sections.append(answer_bias_section(trials))
     document = {
         "psychometric": [
@@ -69,6 +69,11 @@ def report_odd_pair(context: Context) -> Findings:
         "against_shown": [asdict(fit) for fit in shown],
     }
     return Findings(tuple(sections), document)
+
+
+def _has_tracks(context: Context) -> bool:
+    """Whether staircases chose the levels; constant stimuli have no turns and no end."""
+    return not context.protocol or "staircase" in context.protocol
 
 
 def threshold_sentence(entry: Entry, number_of: int = 0) -> str:
@@ -110,11 +115,11 @@ def _pooled_section(context: Context, specification: str, found: list[Entry]) ->
         f"Thresholds of {specification} transitions" if specification else "Thresholds",
         findings=tuple(threshold_sentence(entry) for entry in whole),
         figures=(_curves(stem, whole),),
-        tables=(_table(f"{stem}-thresholds", pooled),),
+        tables=(_table(f"{stem}-thresholds", pooled, _has_tracks(context)),),
     )
 
 
-def _table(name: str, found: list[Entry]) -> ReportTable:
+def _table(name: str, found: list[Entry], tracks: bool) -> ReportTable:
     rows = [
         {
             "side": entry.side,
@@ -149,11 +154,16 @@ def _table(name: str, found: list[Entry]) -> ReportTable:
     return ReportTable(
         name,
         "Thresholds in frames of blend length beyond the reference (signed).",
-        data.drop(columns="ends"),
-        _shown(data),
-        "“Most visited” is the level answered most often, “reversals” the mean at the track's "
-        "turns; both are means over tracks. A dash: not identifiable. “Beyond”: the interval "
-        "reaches past the last level shown, where these answers say nothing.",
+        data.drop(columns="ends" if tracks else ["ends", *_OF_TRACKS]),
+        _shown(data).drop(columns=[] if tracks else list(_OF_TRACKS.values())),
+        (
+            "“Most visited” is the level answered most often, “reversals” the mean at the track's "
+            "turns; both are means over tracks. "
+            if tracks
+            else ""
+        )
+        + "A dash: not identifiable. “Beyond”: the interval reaches past the last level shown, "
+        "where these answers say nothing.",
     )
 
 
@@ -172,8 +182,7 @@ def _shown(data: pd.DataFrame) -> pd.DataFrame:
             "95% interval": data["ends"],
             "Slope": data["slope"].map(rounded),
             "Deviance p": data["deviance_p"].map(lambda p: share(p, 3)),
-            "Most visited": data["stop_level"].map(signed),
-            "Reversals": data["reversal_mean"].map(signed),
+            **{words: data[name].map(signed) for name, words in _OF_TRACKS.items()},
         }
     )
 
@@ -224,14 +233,18 @@ def _interval(axis: Any, threshold: Threshold, colour: str) -> None:
 def _people_section(context: Context, people: list[Entry]) -> Section:
     known = [entry for entry in people if entry.summary.verdict == "ok"]
     refused = len(people) - len(known)
+    tracks = _has_tracks(context)
+    why = "short tracks" if tracks else "answers to few levels"
     text = (
         f"{count(len(known), 'fit')} of single people are identifiable and "
-        f"{refused} {'is' if refused == 1 else 'are'} not: short tracks seldom carry a person's "
+        f"{refused} {'is' if refused == 1 else 'are'} not: {why} seldom carry a person's "
         "own function, and the pooled fits above do not need it.",
     )
-    figures = (_people_figure(context.stem, known),) if known else ()
-    table = _table(f"{context.stem}-people", people)
-    return Section("Person by person", text=text, figures=figures, tables=(table,))
+    if not known:
+        return Section("Person by person", text=text)
+    table = _table(f"{context.stem}-people", people, tracks)
+    figure = _people_figure(context.stem, known)
+    return Section("Person by person", text=text, figures=(figure,), tables=(table,))
 
 
 def _people_figure(stem: str, known: list[Entry]) -> Figure:

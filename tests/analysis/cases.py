@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.conftest import ABSENT
+from tests.conftest import NO_CASES
 
 STAT = Path(__file__).resolve().parents[2].parent / "shared" / "cases" / "stat"
 
@@ -13,5 +13,5 @@ def stat_case(name: str) -> Path:
     """A file of the cases of statistics."""
     path = STAT / name
     if not path.exists():
-        pytest.skip(ABSENT)
+        pytest.skip(NO_CASES)
     return path

@@ -13,10 +13,10 @@ import pytest
 
 from study.cli import main
 from tests.analysis.cases import STAT, stat_case
-from tests.conftest import ABSENT
+from tests.conftest import NO_CASES
 
 if not STAT.is_dir():
-    pytest.skip(ABSENT, allow_module_level=True)
+    pytest.skip(NO_CASES, allow_module_level=True)
 
 Captured = pytest.CaptureFixture[str]
 

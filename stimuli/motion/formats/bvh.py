@@ -151,16 +151,13 @@ def _offsets(
     """
     offsets = np.array(tree.offsets, dtype=float)
     frames = len(table.rotations)
-    moves = {0: np.tile(offsets[0], (frames, 1))}
+    moves = {0: np.broadcast_to(offsets[0], (frames, 3))}
     shrunk: list[int] = []
     kept = 0.0
     for joint, axes in table.moving.items():
         values = table.positions[joint]
         if joint == 0:
-            if axes == [0, 1, 2]:
-                moves[0] = values
-            else:
-                moves[0][:, axes] = values
+            moves[0] = _placed(offsets[0], values, axes)
             continue
         still = values.min(axis=0) == values.max(axis=0)
         mean = np.where(still, values[0], values.mean(axis=0))
@@ -168,11 +165,8 @@ def _offsets(
             shrunk.append(joint)
         offsets[joint, axes] = mean
         kept += float(np.abs(mean).sum())
-        if axes == [0, 1, 2]:
-            moves[joint] = values
-        elif len(axes) == 3 or not still.all():
-            moves[joint] = np.tile(offsets[joint], (frames, 1))
-            moves[joint][:, axes] = values
+        if len(axes) == 3 or not still.all():
+            moves[joint] = _placed(offsets[joint], values, axes)
     names = ", ".join(tree.names[joint] for joint in shrunk[:6])
     if len(shrunk) > 1 and kept == 0:
         raise fault(
@@ -185,3 +179,12 @@ def _offsets(
     if not any(len(axes) == 3 for axes in table.moving.values()) and 0 not in table.moving:
         notes.append("the root has no position channels: the body stays in its place")
     return offsets, moves, notes
+
+
+def _placed(offset: Array, values: Array, axes: list[int]) -> Array:
+    """Positions (F, 3) that have `values` (F, N) along some axes and are `offset` along others."""
+    if axes == [0, 1, 2]:
+        return values
+    placed = np.tile(offset, (len(values), 1))
+    placed[:, axes] = values
+    return placed

@@ -1,7 +1,8 @@
 """The frames of a BVH: numbers turned to rotations some frames at a time.
 
-Reading takes memory of three times the file; or, where its numbers have so few digits that this is
-less, of the file and a seventh more than its rotations, 32 bytes for each three numbers.
+Reading takes memory of three times the file; or, where its numbers have at most one decimal, of the
+file and a tenth more than its rotations, 32 bytes for each three numbers, which alone may be
+three times such a file.
 """
 
 from collections.abc import Callable, Iterator
@@ -13,7 +14,8 @@ import numpy as np
 from stimuli.compiled import worth_loading
 from stimuli.motion import quaternions as quat
 from stimuli.motion.formats.bvh_hierarchy import AXES, Hierarchy
-from stimuli.motion.formats.numbers import number_blocks, plain_blocks
+from stimuli.motion.formats.numbers import number_blocks
+from stimuli.motion.formats.plain_numbers import plain_blocks
 from stimuli.motion.formats.scan_state import (
     LINES,
     ODD_BEGINS,
@@ -76,7 +78,7 @@ def _plainly(data: bytes, start: int, layout: "_Layout", poses: _Poses) -> int |
     """How many numbers there are, the frames filled in; None where that takes more than Python."""
     frames = poses[0]
     try:
-        blocks = plain_blocks(data, start, 4 * layout.at_once, layout.width)
+        blocks = plain_blocks(data, start, 2 * layout.at_once, layout.width)
         found = _filled(blocks, layout, layout.turn_plainly, poses)
     except ValueError:
         return None

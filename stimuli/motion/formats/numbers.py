@@ -6,8 +6,6 @@ after them keeps its place.
 
 import re
 from collections.abc import Iterator
-from io import BytesIO, TextIOWrapper
-from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -26,15 +24,12 @@ from stimuli.motion.formats.scan_state import (
 from stimuli.motion.formats.source import fault, line_of, shown
 from stimuli.motion.formats.words import (
     IN_BOUNDS,
-    LARGEST_NUMBER,
     decimal,
     is_decimal,
 )
 from stimuli.motion.quaternions import Array
 
 _TODO = "The file is damaged; export it again."
-_OF_NUMBERS = b"0123456789+-.eE \t\r\n"
-_PIECE = 1 << 16  # bytes
 _WORD = re.compile(rb"\S+")
 _COMMENT = re.compile(rb"(?<!\S)(?:#|//)[^\r\n]*")  # a word of its own, unlike that in -1.#IND
 
@@ -44,26 +39,6 @@ def parse_numbers(path: Path, data: bytes, start: int = 0) -> Array:
     most = (len(data) - start) // 2 + 1
     blocks = list(number_blocks(path, data, new_state(start), most, 1, comments=False))
     return blocks[0] if blocks else np.empty(0)
-
-
-def plain_blocks(data: bytes, start: int, size: int, usual: int) -> Iterator[Array]:
-    """The same as `number_blocks` by Python alone, of a text whose lines have `usual` words each.
-
-    ValueError at what is no such line, which is for `number_blocks` to read or to refuse.
-    """
-    pieces = (data[place : place + _PIECE] for place in range(start, len(data), _PIECE))
-    if any(piece.translate(None, _OF_NUMBERS) for piece in pieces):
-        raise ValueError("something else than numbers")
-    text = BytesIO(data)
-    text.seek(start)
-    lines = filter(str.strip, TextIOWrapper(text, encoding="ascii"))
-    while some := list(islice(lines, max(size // usual, 1))):
-        rows = np.loadtxt(some, comments=None, ndmin=2)
-        if rows.shape[1] != usual:
-            raise ValueError("another layout")
-        if not np.all(np.abs(rows) < LARGEST_NUMBER):
-            raise ValueError("a number out of bounds")
-        yield rows.ravel()
 
 
 def number_blocks(

@@ -211,3 +211,18 @@ def test_thousands_are_read_where_commas_separate(
     )
     assert main(["fit", str(table), "--json"]) == 0
     assert 900 < json.loads(capsys.readouterr().out)["threshold"]["value"] < 1600
+
+
+@pytest.mark.parametrize(
+    ("right", "said"),
+    [
+        ([184, 190, 194, 198], "below 1, the least level shown: show smaller ones"),
+        ([180, 180, 180, 194], "below 1, the least level shown: show smaller ones"),
+        ([100, 101, 104, 128], "above 4, the greatest level shown: show greater ones"),
+    ],
+)
+def test_levels_all_easy_or_all_hard_say_where_the_threshold_lies(
+    right: list[int], said: str
+) -> None:
+    found = summarise(counts(LEVELS, right, [200] * 4), setting("logistic", 0.5, 0.02), samples=0)
+    assert said in found.verdict

@@ -45,8 +45,8 @@ def test_a_table_that_others_print_a_threshold_for_is_denied() -> None:
     [
         ([39, 35, 30, 22], "falls"),
         ([20, 20, 40, 40], "bound"),
-        ([36, 37, 39, 40], "outside|constant"),
-        ([20, 21, 22, 27], "outside|constant"),
+        ([36, 37, 39, 40], "the threshold lies|constant"),
+        ([20, 21, 22, 27], "the threshold lies|constant"),
     ],
 )
 def test_reasons(right: list[int], why: str) -> None:

@@ -10,7 +10,7 @@ from stimuli.collection import Collection
 from stimuli.graph import MotionGraph, build_graph
 from stimuli.graph.cost import cut_costs, metric_of
 from stimuli.motion import Library, Motion, user_library
-from tests.conftest import SHARED
+from tests.conftest import ABSENT, SHARED
 
 APART = 15
 
@@ -74,7 +74,7 @@ def walks(sample_motions) -> tuple[Collection, MotionGraph]:
 def accad() -> Callable[[float], tuple[Collection, MotionGraph]]:
     """The walking clips of ACCAD's performer at a threshold; skipped where they are not."""
     if not SHARED.is_dir():
-        pytest.skip("captured motion kept beside the checkout")
+        pytest.skip(ABSENT)
     from stimuli.collection import collected
 
     collection = collected(Library([SHARED / "accad_male1_bvh"]), ("Male1_B*",))

@@ -8,7 +8,7 @@ import pytest
 
 from stimuli.errors import InputError
 from stimuli.motion import Clip, forward, load_clip
-from tests.conftest import ABSENT
+from tests.conftest import NO_CASES
 
 CASES = Path(__file__).resolve().parents[4] / "shared" / "cases" / "motion"
 
@@ -47,7 +47,7 @@ READ = {  # frames a second, and a piece of a warning
 }
 
 if not ROWS:
-    pytest.skip(ABSENT, allow_module_level=True)
+    pytest.skip(NO_CASES, allow_module_level=True)
 
 
 def case(name: str) -> Clip:

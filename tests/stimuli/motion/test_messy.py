@@ -8,7 +8,7 @@ import pytest
 
 from stimuli.errors import InputError
 from stimuli.motion import forward, load_clip
-from tests.conftest import ABSENT
+from tests.conftest import NO_CASES
 
 MESSY = Path(__file__).resolve().parents[4] / "shared" / "motions" / "messy"
 SAID = {  # what a refusal must tell, where the manifest asks for it or a person needs it
@@ -46,7 +46,7 @@ def positions(name: str) -> np.ndarray:
 
 
 if not rows():
-    pytest.skip(ABSENT, allow_module_level=True)
+    pytest.skip(NO_CASES, allow_module_level=True)
 
 
 @pytest.mark.parametrize("name", sorted(SAID.keys() & {row["path"] for row in rows()}))

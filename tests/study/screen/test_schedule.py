@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from study.screen.schedule import frames_late, last_refresh, late_frames, never_shown, schedule
-from tests.conftest import ABSENT, SHARED
+from tests.conftest import NO_CASES, SHARED
 
 
 def test_each_frame_lasts_two_refreshes_at_sixty_hertz() -> None:
@@ -48,7 +48,7 @@ def test_ten_frames_a_refresh_late_are_ten_whatever_the_jitter(rate: float) -> N
     """Cases of flips that jitter by .1 ms."""
     path = SHARED.parent / "cases" / "session" / f"flips_{rate:g}hz.csv"
     if not path.is_file():
-        pytest.skip(ABSENT)
+        pytest.skip(NO_CASES)
     with path.open(newline="") as stream:
         flips = [float(row["flip"]) for row in csv.DictReader(stream)]
     assert late_frames(schedule(180, 30.0, rate), flips, rate) == 10

@@ -21,7 +21,7 @@ from study.protocol.sets import set_spec
 from study.record.table import COMMON, create
 from study.screen.virtual import virtual_screen
 from study.trials.reading import parse_protocol
-from tests.conftest import of_captured
+from tests.conftest import of_cases
 
 ROOT = Path(__file__).resolve().parents[3]
 SHARED = ROOT.parent / "shared" / "cases" / "session"
@@ -242,7 +242,7 @@ def test_a_rehearsal_without_the_studys_clips_makes_its_own_once(
 
 @pytest.mark.parametrize(
     ("case", "line", "word"),
-    of_captured(
+    of_cases(
         [
             ("keys_arrow.toml", 19, 'no key is called "left arrow" (did you mean left?)'),
             ("keys_empty.toml", 19, "expected the name of a key, found an empty one"),
