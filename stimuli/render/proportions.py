@@ -22,7 +22,7 @@ from stimuli.render.reference import Reference, reference_pose
 TRUNK = 0.292  # of the stature, from the middle of the hips to that of the shoulders
 ARMS = {"elbow": ("shoulder", 0.160), "wrist": ("elbow", 0.153)}  # end: (start, of the stature)
 LEGS = (("hip", "knee"), ("knee", "ankle"))
-LEAST = 0.02  # metres: what is shorter is no bone that could be made longer
+_LEAST = 0.02  # metres: what is shorter is no bone that could be made longer
 
 
 def captured(motion: Motion) -> Skeleton:
@@ -47,7 +47,7 @@ def standard(motion: Motion) -> Skeleton:
     for side, _ in MIRRORED:
         for end, (start, share) in ARMS.items():
             roles = f"{side}_{start}", f"{side}_{end}"
-            if set(roles) <= set(skeleton.roles) and (long := length(*roles)) > LEAST:
+            if set(roles) <= set(skeleton.roles) and (long := length(*roles)) > _LEAST:
                 above, whole = (skeleton.chain(joint) for joint in skeleton.role(*roles))
                 offsets[whole[len(above) :]] *= share * stature / long
     return replace(skeleton, offsets=offsets)
@@ -84,6 +84,6 @@ def _trunk_factor(reference: Reference, trunk: list[int], wanted: float) -> floa
     )
     bones = quat.rotate(reference.orientations[skeleton.parents[trunk]], skeleton.offsets[trunk])
     high = float(bones[:, 1].sum())
-    if high < LEAST:
+    if high < _LEAST:
         return 1.0
     return max(1.0 + (wanted - float(shoulders - hips)) / high, 0.5)
