@@ -18,8 +18,8 @@ from stimuli.render.shapes import Floats, Part, bounds, distance, smooth_union
 
 CELL = 0.018  # of the figure's height
 ROUNDS = 4
-FINER = 2  # times that edges are split, each followed by as many rounds and one
-BEND, SHORTEST = np.radians(42.0), 0.006  # an edge that bends more is split; of the height
+_SPLITS = 2  # times that edges are split, each followed by as many rounds and one
+BEND, _SHORT_EDGE = np.radians(42.0), 0.006  # an edge that bends more is split; of the height
 RELAXING = 0.5
 SWELLING = 0.6
 _FAR = 0.10
@@ -106,10 +106,10 @@ def closed_mesh(parts: Sequence[Part]) -> tuple[Floats, Faces]:
     )
     faces = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]).astype(np.int32)
     points = _relaxed(parts, points, faces, ROUNDS)
-    for finer in range(1, FINER + 1):
+    for finer in range(1, _SPLITS + 1):
         edges, own = edges_of(faces)
         one, other = np.moveaxis(outward(parts, points)[edges], 1, 0)
-        long = np.linalg.norm(np.diff(points[edges], axis=1)[:, 0], axis=1) > SHORTEST * tall
+        long = np.linalg.norm(np.diff(points[edges], axis=1)[:, 0], axis=1) > _SHORT_EDGE * tall
         bent = np.einsum("ei,ei->e", one, other) < np.cos(BEND)
         points, faces = split_edges(points, faces, edges, own, bent & long)
         points = _relaxed(parts, points, faces, finer + 1)

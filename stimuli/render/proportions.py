@@ -19,7 +19,7 @@ from stimuli.motion.skeleton import Motion, Skeleton
 from stimuli.render.landmarks import LEG_TO_STATURE, MIRRORED
 from stimuli.render.reference import Reference, reference_pose
 
-TRUNK = 0.292  # of the stature, from the middle of the hips to that of the shoulders
+TRUNK_SHARE = 0.292  # of the stature, from the middle of the hips to that of the shoulders
 ARMS = {"elbow": ("shoulder", 0.160), "wrist": ("elbow", 0.153)}  # end: (start, of the stature)
 LEGS = (("hip", "knee"), ("knee", "ankle"))
 _LEAST = 0.02  # metres: what is shorter is no bone that could be made longer
@@ -43,7 +43,7 @@ def standard(motion: Motion) -> Skeleton:
     stature = leg / LEG_TO_STATURE
     offsets = skeleton.offsets.copy()
     trunk = _trunk(skeleton)
-    offsets[trunk] *= _trunk_factor(reference, trunk, TRUNK * stature)
+    offsets[trunk] *= _trunk_factor(reference, trunk, TRUNK_SHARE * stature)
     for side, _ in MIRRORED:
         for end, (start, share) in ARMS.items():
             roles = f"{side}_{start}", f"{side}_{end}"

@@ -27,7 +27,7 @@ from stimuli.render.programs import INFLUENCES, SKIN_FRAGMENT, SKIN_VERTEX, Prog
 from stimuli.render.rig import moved
 from stimuli.render.shapes import Floats
 from stimuli.render.skin import BETWEEN, Skin
-from stimuli.render.target import SAMPLES, Box, Target
+from stimuli.render.target import EDGE_SAMPLES, Box, Target
 from stimuli.render.video import Pictures
 
 NEAR, FAR = 0.25, 200.0
@@ -49,7 +49,7 @@ class Renderer:
         self._gl = import_gl()
         self.driver = driver(self._gl)
         size = (look.width, look.height, look.supersample)
-        self._target = Target(self._gl, *size, SAMPLES)
+        self._target = Target(self._gl, *size, EDGE_SAMPLES)
         self._flat = Target(self._gl, *size, 1)
         levels = np.rint(np.array(look.background) * 255).astype(np.uint8)
         self._background = np.empty((look.height, look.width, 3), dtype=np.uint8)

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-SAMPLES = 4  # a pixel, of what has edges
+EDGE_SAMPLES = 4  # a pixel, of what has edges
 _GRAIN = 32  # pixels, steps by which it grows
 
 

@@ -271,7 +271,7 @@ def apart() -> float:
     look = _look(width=0, height=720, shape="16:9", camera="follow")
     walk = _walk()
     body = make_body(walk, look)
-    with patch.object(field, "CELL", FINE), patch.object(field, "FINER", 0):
+    with patch.object(field, "CELL", FINE), patch.object(field, "_SPLITS", 0):
         fine = make_body(walk, look)
     assert len(fine.skin.faces) > 6 * len(body.skin.faces)
     bones, drawing, levels = bone_motion(body, walk), Renderer(look), []

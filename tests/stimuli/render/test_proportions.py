@@ -10,7 +10,7 @@ from stimuli.motion import Motion, forward, load_clip, walker
 from stimuli.render import Appearance
 from stimuli.render.bodies import Body, make_body, rig_motion
 from stimuli.render.landmarks import landmarks
-from stimuli.render.proportions import ARMS, TRUNK
+from stimuli.render.proportions import ARMS, TRUNK_SHARE
 from tests.conftest import of_captured
 
 STANDARD = Appearance(style="stick", proportions="standard")
@@ -28,7 +28,7 @@ def shares(body: Body) -> list[float]:
     return [float(length) / marks.stature for length in (trunk, *arms)]
 
 
-WANTED = [TRUNK, *(share for _, share in ARMS.values())]
+WANTED = [TRUNK_SHARE, *(share for _, share in ARMS.values())]
 
 
 def check(motion: Motion) -> None:
