@@ -33,6 +33,7 @@ class Appearance:
     colour: tuple[float, float, float] = (0.80, 0.76, 0.72)
     thickness: float = 1.0  # of limbs and sticks, as a multiple of the style's own
     tint: float = 0.0  # 0..1, how far the left limbs are made cooler and the right ones warmer
+    proportions: str = "captured"  # or another entry of stimuli.render.proportions.PROPORTIONS
     foot_roll: float | None = None  # degrees that a foot may roll on its shank; None: as captured
     dots: tuple[str, ...] = STANDARD_DOTS  # where a point-light walker has them
     dot_size: float = 0.25  # their diameter

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from stimuli.errors import InputError
 from stimuli.motion.kinematics import forward
 from stimuli.motion.quaternions import Array
-from stimuli.motion.skeleton import Motion
+from stimuli.motion.skeleton import Motion, Skeleton
 from stimuli.render import field
 from stimuli.render.appearance import Appearance
 from stimuli.render.feet import limited_roll
@@ -19,6 +19,7 @@ from stimuli.render.loft import loft
 from stimuli.render.mesh import neighbour_mean, vertex_normals
 from stimuli.render.parts import body_parts
 from stimuli.render.pointlight import dot_bones, dot_places, dot_skin
+from stimuli.render.proportions import shown_skeleton
 from stimuli.render.reference import reference_pose
 from stimuli.render.rig import Rig, dual_quaternions, make_rig
 from stimuli.render.shapes import Floats, Part, bone_weights, distance, place_on_axis
@@ -26,9 +27,9 @@ from stimuli.render.skin import Skin
 from stimuli.render.sticks import stick_parts
 
 SOFT = 0.010
-# Square metres of heat flow over the skin, so that bends are even, and light does not tell where
-# one part's bend goes over into another's; as many steps as that takes on the mesh.
-BENDS, LIGHT = 0.0019, 0.0006
+# Heat flow over the skin, in squares of the height, so that bends are even, and light does not tell
+# where one part's bend goes over into another's; as many steps as that takes on the mesh.
+BENDS, LIGHT = 0.00066, 0.0002
 OCCLUSION = (0.03, 0.06, 0.11, 0.18)
 CROWN = 0.054  # of the stature, from the middle of the skull to its top
 
@@ -44,6 +45,17 @@ class Body:
     casters: Floats  # (C, 3) points of the body in the reference pose, that shade a ground
     casting: Floats  # (C, B) which of the rig's bones carry them
 
+    @property
+    def skeleton(self) -> Skeleton:
+        """The bones that are drawn."""
+        return self.rig.reference.skeleton
+
+    def shown(self, motion: Motion) -> Motion:
+        """A motion of the body's skeleton as it is drawn, with the look's proportions."""
+        if self.look.proportions == "captured":
+            return motion
+        return replace(motion, skeleton=self.skeleton, cycle=None)
+
 
 def make_body(motion: Motion, look: Appearance | None = None) -> Body:
     """A body for the skeleton of `motion`, whose frames may serve to find a stance.
@@ -53,7 +65,8 @@ def make_body(motion: Motion, look: Appearance | None = None) -> Body:
     look = look or Appearance()
     if look.style not in STYLES:
         raise InputError(f"style: expected one of {', '.join(STYLES)}, found {look.style!r}.")
-    reference = reference_pose(motion)
+    drawn = shown_skeleton(motion, look.proportions)
+    reference = reference_pose(replace(motion, skeleton=drawn))
     marks = landmarks(reference)
     rig = make_rig(reference, marks)
     tall = float(marks.points["skull"][1] + CROWN * marks.stature - marks.sole)
@@ -74,7 +87,8 @@ def bone_motion(body: Body, motion: Motion) -> NDArray[np.float32]:
 
 def rig_motion(body: Body, motion: Motion) -> Array:
     """(F, B, 8) how the bones of the rig move, feet limited as the look has it."""
-    positions, orientations = forward(motion.skeleton, motion.rotations, motion.root)
+    shown = body.shown(motion)
+    positions, orientations = forward(shown.skeleton, shown.rotations, shown.root)
     if body.look.foot_roll is not None:
         positions, orientations = limited_roll(
             body.rig, positions, orientations, np.radians(body.look.foot_roll)
@@ -203,7 +217,7 @@ def _skin_weights(parts: tuple[Part, ...], points: Floats, rig: Rig, stature: fl
 
 
 def _spread(values: Floats, faces: NDArray[np.int32], area: float) -> Floats:
-    """Values (V, n) after heat flow over about `area` m² of the mesh."""
+    """Values (V, n) after heat flow over about `area` of the mesh, in squares of the height."""
     for _ in range(max(1, round(area / field.CELL**2))):
         values = 0.5 * values + 0.5 * neighbour_mean(values, faces)
     return values

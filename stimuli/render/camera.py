@@ -1,6 +1,7 @@
 """A perspective camera that stands, turns or goes along, and the frame it must hold things in."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,7 +36,7 @@ class Camera:
         place = (self.position[0] + x, self.position[1], self.position[2] + z)
         return Camera(place, self.yaw + turn, self.elevation, self.field_of_view, self.kind)
 
-    @property
+    @cached_property
     def axes(self) -> Floats:
         """(3, 3) columns: the camera's right, up and backward directions in the world."""
         return view_axes(self.yaw, self.elevation)

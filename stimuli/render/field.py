@@ -2,25 +2,32 @@
 
 Parts of a limb are joined smoothly one after the other, limbs then to the trunk, each with its
 own radius. The surface is found by surface nets (one vertex in each cell that the surface
-crosses, a quad across each crossed edge; Gibson 1998), then relaxed and put back on the field.
+crosses, a quad across each crossed edge; Gibson 1998), then relaxed and put back on the field,
+and made finer where it bends much from one point to the next: a face, hands, feet.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stimuli.render.mesh import Faces, neighbour_mean
+from stimuli.render.refine import edges_of, split_edges
 from stimuli.render.shapes import Floats, Part, bounds, distance, smooth_union
 
-CELL = 0.024
+CELL = 0.018  # of the figure's height
 ROUNDS = 4
-RELAXING = 0.6
+_SPLITS = 2  # times that edges are split, each followed by as many rounds and one
+BEND, _SHORT_EDGE = np.radians(42.0), 0.006  # an edge that bends more is split; of the height
+RELAXING = 0.5
 SWELLING = 0.6
 _FAR = 0.10
 BETWEEN_LIMBS = 0.009
-THIN = {0: "hand", 1: "toes"}  # axis: the parts that need a finer grid along it
+# Axis: the parts that need a finer grid along it. Hands reach out to the sides, toes lie lowest and
+# farthest ahead, so that few other cells become finer.
+THIN: Mapping[int, tuple[str, ...]] = {0: ("hand",), 1: ("hand", "toes"), 2: ("toes",)}
+_FARTHEST = 0.03  # metres that a point is put back at once
 _STEP = 1e-3  # metres, of central differences
 STENCIL = _STEP * np.array(
     [[0, 0, 0], [1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]]
@@ -88,18 +95,33 @@ def _joined(limbs: dict[str, Floats], parts: Sequence[Part]) -> Floats:
     return whole
 
 
-def closed_mesh(parts: Sequence[Part], cell: float = CELL) -> tuple[Floats, Faces]:
+def closed_mesh(parts: Sequence[Part]) -> tuple[Floats, Faces]:
     """Vertices (V, 3) on the body's skin and outward faces (T, 3), one closed surface."""
-    axes = [_grid_axis(parts, axis, cell) for axis in range(3)]
+    ends = np.array([bounds(part) for part in parts])[..., 1]
+    tall = float(ends[:, 1].max() - ends[:, 0].min())
+    axes = [_grid_axis(parts, axis, CELL * tall) for axis in range(3)]
     cells, quads = surface_nets(grid_distance(parts, axes))
     points: Floats = np.stack(
         [np.interp(cells[:, k], np.arange(len(axis)), axis) for k, axis in enumerate(axes)], axis=-1
     )
     faces = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]).astype(np.int32)
-    for _ in range(ROUNDS):
+    points = _relaxed(parts, points, faces, ROUNDS)
+    for finer in range(1, _SPLITS + 1):
+        edges, own = edges_of(faces)
+        one, other = np.moveaxis(outward(parts, points)[edges], 1, 0)
+        long = np.linalg.norm(np.diff(points[edges], axis=1)[:, 0], axis=1) > _SHORT_EDGE * tall
+        bent = np.einsum("ei,ei->e", one, other) < np.cos(BEND)
+        points, faces = split_edges(points, faces, edges, own, bent & long)
+        points = _relaxed(parts, points, faces, finer + 1)
+    return _swollen(parts, points, faces), faces
+
+
+def _relaxed(parts: Sequence[Part], points: Floats, faces: Faces, rounds: int) -> Floats:
+    """Points moved towards their neighbours' middles and put back on the skin."""
+    for _ in range(rounds):
         points = points + RELAXING * (neighbour_mean(points, faces) - points)
         points = _projected(parts, points)
-    return _swollen(parts, points, faces), faces
+    return points
 
 
 def _swollen(parts: Sequence[Part], points: Floats, faces: Faces) -> Floats:
@@ -118,21 +140,29 @@ def _swollen(parts: Sequence[Part], points: Floats, faces: Faces) -> Floats:
 def _grid_axis(parts: Sequence[Part], axis: int, cell: float) -> Floats:
     """Ascending coordinates a cell apart over all parts, half a cell where a part is thin.
 
-    Hands reach out to the sides and toes lie lowest, so that few other cells become finer.
+    Across they go both ways from the middle, so that the two sides of a body are alike and the
+    gap between its legs is met.
     """
-    boxes = [(bounds(part), part.name) for part in parts]
-    spans = [
-        (low[axis] - cell, high[axis] + cell)
-        for (low, high), name in boxes
-        if axis in THIN and name.endswith(THIN[axis])
+    ends = np.array([bounds(part) for part in parts])[..., axis]
+    least, most = float(ends[:, 0].min()), float(ends[:, 1].max())
+    thin = [
+        (float(low) - cell, float(high) + cell)
+        for (low, high), part in zip(ends, parts, strict=True)
+        if part.name.endswith(THIN[axis])
     ]
-    place = min(low[axis] for (low, _), _ in boxes) - 2 * cell
-    end = max(high[axis] for (_, high), _ in boxes) + 2 * cell
-    places = [place]
-    while place < end:
-        fine = any(least <= place < most for least, most in spans)
-        place += cell / 2 if fine else cell
-        places.append(place)
+    if axis:
+        return _marched(least - 2 * cell, most + 2 * cell, cell, thin)
+    there = _marched(0.0, most + 2 * cell, cell, thin)
+    back = _marched(0.0, 2 * cell - least, cell, [(-high, -low) for low, high in thin])
+    return np.concatenate([-back[:0:-1], there])
+
+
+def _marched(start: float, end: float, cell: float, thin: Sequence[tuple[float, float]]) -> Floats:
+    """Places from `start` to beyond `end`, a cell apart, half a cell within spans."""
+    places = [start]
+    while places[-1] < end:
+        fine = any(low <= places[-1] < high for low, high in thin)
+        places.append(places[-1] + (cell / 2 if fine else cell))
     return np.array(places)
 
 
@@ -201,7 +231,7 @@ def _projected(parts: Sequence[Part], points: Floats) -> Floats:
     """Points moved along the gradient onto the zero surface (one Newton step, bounded)."""
     gap, slope = _gradient(parts, points)
     steepness = np.maximum(np.einsum("ni,ni->n", slope, slope), 0.25)
-    step = np.clip(gap / steepness, -CELL, CELL)
+    step = np.clip(gap / steepness, -_FARTHEST, _FARTHEST)
     return points - step[:, None] * slope
 
 

@@ -38,6 +38,7 @@ class Floor:
 
     def __init__(self, gl: Any, look: Appearance) -> None:
         self._gl, self.parts = gl, GROUNDS[look.ground]
+        self._shaded = False
         if "shadow" in self.parts:
             self._shadow = Program(gl, SHADOW_VERTEX, SHADOW_FRAGMENT)
             self._square = vertices(gl, _CORNERS, (2,))
@@ -47,8 +48,10 @@ class Floor:
         if "grid" in self.parts:
             self._grid = Program(gl, GRID_VERTEX, GRID_FRAGMENT)
             self._grid.use()
-            gl.glUniform4f(self._grid.at("fading"), LINE_DARK, CLEAR, GONE, LINE)
-            gl.glUniform1f(self._grid.at("aspect"), look.width / look.height)
+            size = (look.width * look.supersample, look.height * look.supersample)
+            gl.glUniform3f(self._grid.at("fading"), LINE_DARK, CLEAR, GONE)
+            gl.glUniform2f(self._grid.at("half_picture"), size[0] / 2, size[1] / 2)
+            gl.glUniform1f(self._grid.at("half_line"), LINE * size[1] / 2)
             corners = lattice()
             self._lines, self._count = vertices(gl, corners, (2, 2, 1)), len(corners)
 
@@ -71,11 +74,43 @@ class Floor:
         ]
         return np.concatenate([np.stack(ring, axis=-1) for ring in points])
 
-    def draw(
+    def lay(
         self, lens: Floats, view: Floats, casters: Floats, floor: float,
         middle: Floats,
     ) -> None:  # fmt: skip
-        """Darken the floor about `middle` (2,), under the points `casters` (C, 3)."""
+        """Say where the floor lies, about `middle` (2,), under the points `casters` (C, 3)."""
+        gl = self._gl
+        if "grid" in self.parts:
+            self._grid.use()
+            self._see(self._grid, lens, view)
+            x, z = crossing(middle)
+            gl.glUniform3f(self._grid.at("origin"), x, floor, z)
+            gl.glUniform2f(self._grid.at("middle"), *middle)
+        self._shaded = "shadow" in self.parts and len(casters) > 0
+        if not self._shaded:
+            return
+        centre = casters[:, [0, 2]].mean(axis=0)
+        dark = shadow(casters, floor, centre)
+        part = darkened(dark)
+        self._shaded = part is not None
+        if part is None:
+            return
+        self._shadow.use()
+        self._see(self._shadow, lens, view)
+        gl.glBindTexture(gl.GL_TEXTURE_2D, self._picture)
+        gl.glTexSubImage2D(
+            gl.GL_TEXTURE_2D, 0, 0, 0, SHADOW_CELLS, SHADOW_CELLS, gl.GL_RED,
+            gl.GL_UNSIGNED_BYTE, dark,
+        )  # fmt: skip
+        gl.glUniform4f(self._shadow.at("square"), centre[0], floor, centre[1], SHADOW_SPAN / 2)
+        edges = (
+            (edge + reach) * 2 / SHADOW_CELLS - 1
+            for edge, reach in zip(part, (-1, 1, -1, 1), strict=True)
+        )
+        gl.glUniform4f(self._shadow.at("part"), *edges)
+
+    def draw(self) -> None:
+        """Darken the floor as it was laid."""
         gl = self._gl
         gl.glDisable(gl.GL_DEPTH_TEST)
         gl.glDisable(gl.GL_CULL_FACE)
@@ -83,32 +118,10 @@ class Floor:
         gl.glBlendFuncSeparate(gl.GL_SRC_ALPHA, gl.GL_ONE_MINUS_SRC_ALPHA, gl.GL_ZERO, gl.GL_ONE)
         if "grid" in self.parts:
             self._grid.use()
-            self._see(self._grid, lens, view)
-            x, z = crossing(middle)
-            gl.glUniform3f(self._grid.at("origin"), x, floor, z)
-            gl.glUniform2f(self._grid.at("middle"), *middle)
             gl.glBindVertexArray(self._lines)
             gl.glDrawArrays(gl.GL_TRIANGLES, 0, self._count)
-        if "shadow" in self.parts and len(casters):
+        if self._shaded:
             self._shadow.use()
-            self._see(self._shadow, lens, view)
-            centre = casters[:, [0, 2]].mean(axis=0)
-            dark = shadow(casters, floor, centre)
-            part = darkened(dark)
-            if part is None:
-                gl.glDisable(gl.GL_BLEND)
-                return
-            gl.glBindTexture(gl.GL_TEXTURE_2D, self._picture)
-            gl.glTexSubImage2D(
-                gl.GL_TEXTURE_2D, 0, 0, 0, SHADOW_CELLS, SHADOW_CELLS, gl.GL_RED,
-                gl.GL_UNSIGNED_BYTE, dark,
-            )  # fmt: skip
-            gl.glUniform4f(self._shadow.at("square"), centre[0], floor, centre[1], SHADOW_SPAN / 2)
-            edges = (
-                (edge + reach) * 2 / SHADOW_CELLS - 1
-                for edge, reach in zip(part, (-1, 1, -1, 1), strict=True)
-            )
-            gl.glUniform4f(self._shadow.at("part"), *edges)
             gl.glBindVertexArray(self._square)
             gl.glDrawArrays(gl.GL_TRIANGLES, 0, len(_CORNERS))
         gl.glDisable(gl.GL_BLEND)

@@ -2,7 +2,8 @@
 
 A skin is moved by dual quaternions (Kavan and others 2008) of its bones, as `rig.moved` does it.
 Colours are interpolated at centroids: at the middle of a pixel that a triangle only touches they
-would be extrapolated, and speckle the figure's outline.
+would be extrapolated, and speckle the figure's outline. Lines of the grid fade over a pixel on each
+side, so that one sample a pixel is enough for them.
 """
 
 from typing import Any
@@ -82,9 +83,11 @@ uniform mat4 view;
 uniform mat4 lens;
 uniform vec3 origin;  // x, floor, z of the grid's middle, a crossing of lines
 uniform vec2 middle;  // x, z where the grid is darkest
-uniform vec4 fading;  // darkness, where it fades and is gone (m), width in half pictures' heights
-uniform float aspect;
+uniform vec3 fading;  // darkness; where it fades and is gone (m)
+uniform vec2 half_picture;  // pixels
+uniform float half_line;  // pixels
 out float dark;
+noperspective out float off;  // pixels from the line's middle
 void main() {
     vec2 place = origin.xz + at;
     float away = distance(place, middle);
@@ -93,15 +96,21 @@ void main() {
     vec4 here = lens * (view * vec4(place.x, origin.y, place.y, 1.0));
     vec2 on = place + 0.01 * way;
     vec4 there = lens * (view * vec4(on.x, origin.y, on.y, 1.0));
-    vec2 along = (there.xy / there.w - here.xy / here.w) * vec2(aspect, 1.0);
+    vec2 along = (there.xy / there.w - here.xy / here.w) * half_picture;
     vec2 across = normalize(vec2(-along.y, along.x) + vec2(0.0, 1e-9));
-    gl_Position = here + vec4(side * fading.w * across / vec2(aspect, 1.0) * here.w, 0.0, 0.0);
+    off = side * (half_line + 1.0);
+    gl_Position = here + vec4(off * across / half_picture * here.w, 0.0, 0.0);
 }
 """
 GRID_FRAGMENT = """#version 330 core
 in float dark;
+noperspective in float off;
+uniform float half_line;
 out vec4 colour;
-void main() { colour = vec4(0.0, 0.0, 0.0, dark); }
+void main() {  // as much of a pixel as the line covers
+    float covered = clamp(half_line + 0.5 - abs(off), 0.0, min(2.0 * half_line, 1.0));
+    colour = vec4(0.0, 0.0, 0.0, dark * covered);
+}
 """
 
 

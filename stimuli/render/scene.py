@@ -2,13 +2,14 @@
 
 The skin lies on the card (or in the software that stands in for one) from the first frame on, and
 its bones alone are sent for each: it is moved and lit there. Faces that look away are not drawn.
-Only the part of the picture that the figure and its ground cover is cleared, resolved and read
-back; the rest is background. Depth is never read.
+Only the boxes of the picture that the figure and its ground cover are cleared and read back; the
+rest is background. The ground lies in a box of its own, of one sample a pixel, since it fades by
+itself; it is drawn once more behind the figure. Depth is never read.
 
 One renderer a process; close it before the process ends.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 import numpy as np
@@ -26,7 +27,7 @@ from stimuli.render.programs import INFLUENCES, SKIN_FRAGMENT, SKIN_VERTEX, Prog
 from stimuli.render.rig import moved
 from stimuli.render.shapes import Floats
 from stimuli.render.skin import BETWEEN, Skin
-from stimuli.render.target import Box, Target, apart, around
+from stimuli.render.target import EDGE_SAMPLES, Box, Target
 from stimuli.render.video import Pictures
 
 NEAR, FAR = 0.25, 200.0
@@ -47,7 +48,9 @@ class Renderer:
         self._context = EglContext(device)
         self._gl = import_gl()
         self.driver = driver(self._gl)
-        self._target = Target(self._gl, look.width, look.height, look.supersample)
+        size = (look.width, look.height, look.supersample)
+        self._target = Target(self._gl, *size, EDGE_SAMPLES)
+        self._flat = Target(self._gl, *size, 1)
         levels = np.rint(np.array(look.background) * 255).astype(np.uint8)
         self._background = np.empty((look.height, look.width, 3), dtype=np.uint8)
         self._background[:] = levels
@@ -87,24 +90,31 @@ class Renderer:
         """The picture (height, width, 3) of one frame."""
         camera, bones = self.camera.at(frame), bone_motion[frame]
         points, _ = moved(self._outline[0], bones, *self._outline[1:])
-        boxes = [self._box(camera, points, BETWEEN + self._rim[0])]
+        box = self._box(camera, points, BETWEEN + self._rim[0])
+        picture = self._background.copy()
+        view = np.linalg.inv(camera.pose).astype(np.float32)
         laid = ground if self._floor.parts else None
         if laid is not None:
-            reach = self._floor.reach(laid.casters[frame], laid.floor, laid.middles[frame])
-            boxes.append(self._box(camera, reach, 0.0))
-        picture, boxes = self._background.copy(), apart(boxes)
-        if not boxes:
-            return picture
-        whole = around(boxes)
-        self._target.begin(whole, self.look.height, self._behind)
-        view = np.linalg.inv(camera.pose).astype(np.float32)
-        if laid is not None:
-            casters = laid.casters[frame] if self.skin.lit else STILL
-            self._floor.draw(self._lens, view, casters, laid.floor, laid.middles[frame])
-        self._draw_skin(camera, view, bones)
-        for box in boxes:
-            picture[box.top : box.bottom, box.left : box.right] = self._target.pixels(box)
+            casters = laid.casters[frame]
+            reach = self._floor.reach(casters, laid.floor, laid.middles[frame])
+            under = casters if self.skin.lit else STILL
+            self._floor.lay(self._lens, view, under, laid.floor, laid.middles[frame])
+            self._put(picture, self._flat, self._box(camera, reach, 0.0), self._floor.draw)
+
+        def behind_and_skin() -> None:
+            if laid is not None:
+                self._floor.draw()
+            self._draw_skin(camera, view, bones)
+
+        self._put(picture, self._target, box, behind_and_skin)
         return picture
+
+    def _put(self, picture: Pictures, target: Target, box: Box, draw: Callable[[], None]) -> None:
+        """Put what is drawn there into a box of the picture."""
+        if not box.empty:
+            target.begin(box, self._behind)
+            draw()
+            picture[box.top : box.bottom, box.left : box.right] = target.pixels()
 
     def _draw_skin(self, camera: Camera, view: Floats, bones: NDArray[np.float32]) -> None:
         gl, program = self._gl, self._program

@@ -26,13 +26,20 @@ def strip(
     the first to the last frame of `mixed`.
     """
     chosen = chosen_frames(len(frames), count, middle)
-    shown = np.stack([frames[number] for number in chosen])
+    return strip_of([frames[number] for number in chosen], chosen, mixed)
+
+
+def strip_of(
+    pictures: Sequence[Pictures], numbers: Sequence[int], mixed: tuple[int, int] | None = None
+) -> Pictures:
+    """A strip of these pictures, whose frames have these numbers."""
+    shown = np.stack(pictures)
     left, right = _columns(shown)
     whole = np.concatenate(list(shown[:, :, left:right]), axis=1)
-    return np.concatenate([whole, _foot(chosen, right - left, mixed, whole[0, 0])])
+    return np.concatenate([whole, _foot(numbers, right - left, mixed, whole[0, 0])])
 
 
-def chosen_frames(length: int, count: int, middle: int | None) -> list[int]:
+def chosen_frames(length: int, count: int = 8, middle: int | None = None) -> list[int]:
     """The frames of a clip that a strip shows."""
     if middle is None:
         chosen = np.rint(np.linspace(0, length - 1, count)).astype(int)

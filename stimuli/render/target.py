@@ -1,12 +1,11 @@
 """The picture that is drawn into: several samples a pixel, and one picture to read them from."""
 
-from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-_SAMPLES = 4
+EDGE_SAMPLES = 4  # a pixel, of what has edges
 _GRAIN = 32  # pixels, steps by which it grows
 
 
@@ -24,63 +23,42 @@ class Box(NamedTuple):
         return self.left >= self.right or self.top >= self.bottom
 
 
-def around(boxes: Sequence[Box]) -> Box:
-    """The box around boxes."""
-    left, top, right, bottom = zip(*boxes, strict=True)
-    return Box(min(left), min(top), max(right), max(bottom))
-
-
-def apart(boxes: Sequence[Box]) -> list[Box]:
-    """Boxes that have no pixel in common and all those of a tall one and, if any, a wide one."""
-    seen = [box for box in boxes if not box.empty]
-    if len(seen) < 2:
-        return seen
-    tall, wide = seen
-    wide = Box(min(tall.left, wide.left), wide.top, max(tall.right, wide.right), wide.bottom)
-    parts = [
-        wide,
-        tall._replace(bottom=min(tall.bottom, wide.top)),
-        tall._replace(top=max(tall.top, wide.bottom)),
-    ]
-    return [part for part in parts if not part.empty]
-
-
 class Target:
     """A box of a picture of `width` × `height` pixels, drawn `scale` times as large and averaged.
 
-    It is no larger than the largest box that was asked for: clearing a whole target takes a
-    fraction of the time that clearing a part of a larger one does.
+    With several `samples` a pixel it has depth too; with one it is for what lies flat and fades
+    by itself. It is no larger than the largest box that was asked for: clearing a whole target
+    takes a fraction of the time that clearing a part of a larger one does.
     """
 
-    def __init__(self, gl: Any, width: int, height: int, scale: int) -> None:
-        self._gl, self._scale = gl, scale
+    def __init__(self, gl: Any, width: int, height: int, scale: int, samples: int) -> None:
+        self._gl, self._scale, self._samples = gl, scale, samples
         self._picture = (width * scale, height * scale)
         self._room = (0, 0)
         self._made: list[tuple[int, list[int]]] = []
 
-    def begin(self, box: Box, height: int, background: tuple[float, float, float]) -> None:
-        """Clear a box of the picture, which is `height` pixels high, and draw there."""
+    def begin(self, box: Box, background: tuple[float, float, float]) -> None:
+        """Clear a box of the picture and draw there."""
         gl, scale = self._gl, self._scale
-        self._box = box
-        self._hold(scale * (box.right - box.left), scale * (box.bottom - box.top))
-        x, y = scale * box.left, scale * (height - box.bottom)
+        self._size = (scale * (box.right - box.left), scale * (box.bottom - box.top))
+        self._hold(*self._size)
         gl.glBindFramebuffer(gl.GL_FRAMEBUFFER, self._made[0][0])
-        gl.glViewport(-x, -y, *self._picture)
+        below = self._picture[1] - scale * box.bottom
+        gl.glViewport(-scale * box.left, -below, *self._picture)
         gl.glClearColor(*background, 1.0)
-        gl.glClear(gl.GL_COLOR_BUFFER_BIT | gl.GL_DEPTH_BUFFER_BIT)
+        gl.glClear(gl.GL_COLOR_BUFFER_BIT | (gl.GL_DEPTH_BUFFER_BIT if self._samples > 1 else 0))
 
-    def pixels(self, box: Box) -> NDArray[np.uint8]:
-        """(height, width, 3) RGB of a box within the one that was begun, from its top."""
-        gl, scale, whole = self._gl, self._scale, self._box
-        width, height = scale * (box.right - box.left), scale * (box.bottom - box.top)
-        x, y = scale * (box.left - whole.left), scale * (whole.bottom - box.bottom)
-        corners = (x, y, x + width, y + height)
-        drawn, read_from = (name for name, _ in self._made)
-        gl.glBindFramebuffer(gl.GL_READ_FRAMEBUFFER, drawn)
-        gl.glBindFramebuffer(gl.GL_DRAW_FRAMEBUFFER, read_from)
-        gl.glBlitFramebuffer(*corners, *corners, gl.GL_COLOR_BUFFER_BIT, gl.GL_NEAREST)
-        gl.glBindFramebuffer(gl.GL_READ_FRAMEBUFFER, read_from)
-        raw = gl.glReadPixels(x, y, width, height, gl.GL_RGBA, gl.GL_UNSIGNED_BYTE)
+    def pixels(self) -> NDArray[np.uint8]:
+        """(height, width, 3) RGB of the box that was begun."""
+        gl, (width, height) = self._gl, self._size
+        if self._samples > 1:
+            drawn, read_from = (name for name, _ in self._made)
+            corners = (0, 0, width, height)
+            gl.glBindFramebuffer(gl.GL_READ_FRAMEBUFFER, drawn)
+            gl.glBindFramebuffer(gl.GL_DRAW_FRAMEBUFFER, read_from)
+            gl.glBlitFramebuffer(*corners, *corners, gl.GL_COLOR_BUFFER_BIT, gl.GL_NEAREST)
+            gl.glBindFramebuffer(gl.GL_READ_FRAMEBUFFER, read_from)
+        raw = gl.glReadPixels(0, 0, width, height, gl.GL_RGBA, gl.GL_UNSIGNED_BYTE)
         read = np.frombuffer(raw, dtype=np.uint8).reshape(height, width, 4)[::-1, :, :3]
         if self._scale == 1:
             return read
@@ -96,7 +74,9 @@ class Target:
         wide, high = (min(max(-(-new // _GRAIN) * _GRAIN, old), most) for new, old, most in sides)
         self._free()
         self._room = (wide, high)
-        self._made = [self._framebuffer(_SAMPLES, depth=True), self._framebuffer(0, depth=False)]
+        one = self._framebuffer(0, depth=False)
+        many = [self._framebuffer(self._samples, depth=True)] if self._samples > 1 else []
+        self._made = [*many, one]
 
     def _free(self) -> None:
         for name, buffers in self._made:

@@ -6,7 +6,7 @@ groups of a set, from what the figure does in all of them.
 
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -141,11 +141,14 @@ def _planned_group(
     )
     grounds = ground_motions(body, [clip.motion for clip in laid], group.bones, look)
 
+    def drawn(clip: LaidOut) -> LaidOut:
+        return replace(clip, motion=body.shown(clip.motion))
+
     def document(method: str | None, clip: LaidOut) -> dict[str, Any]:
         measures = {
             **transition_measures(clip.transition, reference.transition),
             **end_displacements(clip, reference),
-            **picture_displacements(clip, reference, camera, look.picture_degrees),
+            **picture_displacements(drawn(clip), drawn(reference), camera, look.picture_degrees),
         }
         return _clip_document(spec, resolved, method, clip, measures)
 

@@ -14,7 +14,7 @@ from stimuli.render.gltf import write_glb
 from stimuli.render.video import write_video
 from stimuli.sets.group import plan_groups
 from stimuli.sets.manifest import ClipEntry, Manifest
-from stimuli.sets.masters import read_clip
+from stimuli.sets.masters import clip_frames
 from stimuli.sets.spec import SetSpec
 
 Told = Callable[[int, int], None]
@@ -72,7 +72,7 @@ def _beside(path: Path, suffix: str) -> Path:
 
 def _web(job: tuple[ClipEntry, float]) -> None:
     entry, fps = job
-    write_video(_beside(entry.path, ".mp4"), read_clip(entry), fps)
+    write_video(_beside(entry.path, ".mp4"), clip_frames(entry), fps)
 
 
 def _figure(job: _Figure) -> None:

@@ -7,13 +7,22 @@ there when both are and agree. The codec is what the documents say; a name says 
 import hashlib
 import json
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from stimuli.errors import InputError, MachineError, UnwritableError
 from stimuli.files import NO_ROOM, sha256, write_atomic
-from stimuli.render.video import MASTERS, RENDER_AGAIN, Pictures, decode_video, write_packed
+from stimuli.render.video import (
+    MASTERS,
+    RENDER_AGAIN,
+    Pictures,
+    decode_video,
+    wanted_frames,
+    write_packed,
+)
 from stimuli.sets.frames import DrawnFrame, FrameKey
 
 CLIPS = "clips"
@@ -84,6 +93,16 @@ def clip_content(path: Path, told: str | None) -> bytes:
             f"a damaged one: it was exchanged, changed or cut short.\n{RENDER_AGAIN}"
         )
     return content
+
+
+def clip_frames(entry: Any, wanted: Sequence[int] | None = None) -> Iterator[Pictures]:
+    """The frames (height, width, 3) of a manifest's clip one by one: all, or those wanted.
+
+    InputError as for `read_clip`; of a large clip no more than a frame is held.
+    """
+    content = clip_content(entry.path, entry.document.get("file_sha256"))
+    numbers = range(entry.frames) if wanted is None else wanted
+    return map(np.ascontiguousarray, wanted_frames(entry.path, content, numbers, entry.frames))
 
 
 def read_clip(entry: Any) -> Pictures:

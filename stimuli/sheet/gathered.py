@@ -11,7 +11,7 @@ import numpy as np
 from stimuli.processes import mapped
 from stimuli.render.video import Pictures
 from stimuli.sets.manifest import ClipEntry, Manifest
-from stimuli.sets.masters import read_clip
+from stimuli.sets.masters import clip_frames
 
 WIDEST = 640  # pixels of a picture in the page; a master may have more
 QUALITY = 88  # of WebP, a seventh of JPEG in size; the background stays exact
@@ -79,17 +79,18 @@ def _shown(clips: tuple[ClipEntry, ...]) -> MotionSheet:
     numbers = _numbers(clips)
     small: tuple[int, int] = (0, 0)
     for entry in clips:
-        pictures = read_clip(entry)
-        small = _fitting(pictures.shape[2], pictures.shape[1])
-        places = []
-        for picture in pictures:
+        places, chosen = [], []
+        for number, picture in enumerate(clip_frames(entry)):
+            small = _fitting(picture.shape[1], picture.shape[0])
             key = hashlib.blake2b(picture.data, digest_size=16).digest()
             if key not in known:
                 known[key] = len(images)
                 images.append(_webp(picture, small))
             places.append(known[key])
+            if number in numbers:
+                chosen.append(picture)
         frames.append(tuple(places))
-        cut.append(pictures[list(numbers)])
+        cut.append(np.stack(chosen))
     boxed = _box(np.concatenate(cut))
     strips = tuple(
         Strip(numbers, np.ascontiguousarray(each[:, boxed[0], boxed[1]])) for each in cut

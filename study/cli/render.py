@@ -170,15 +170,17 @@ def _lengths(methods: Any, lengths: Any) -> str:
 
 def _write_strips(manifest: "Manifest") -> None:
     """A film strip of each clip around its transition, beside the clip."""
-    from stimuli.render import strip, write_png
-    from stimuli.sets.video import read_clip
+    from stimuli.render.strip import chosen_frames, strip_of, write_png
+    from stimuli.sets.masters import clip_frames
 
     for entry in {entry.hash: entry for entry in manifest.clips}.values():
         first, last = entry.document["mixed"]
         kind = entry.method or f"{entry.length:02d}"
         name = f"{entry.motion}-{kind}.png"
-        frames = read_clip(entry)
-        picture = strip(frames, middle=(first + last) // 2, mixed=(first, last))
+        numbers = chosen_frames(entry.frames, middle=(first + last) // 2)
+        found = dict.fromkeys(numbers)
+        pictures = dict(zip(found, clip_frames(entry, list(found)), strict=True))
+        picture = strip_of([pictures[number] for number in numbers], numbers, (first, last))
         write_png(manifest.directory / "strips" / name, picture)
 
 

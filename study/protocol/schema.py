@@ -109,6 +109,7 @@ class AppearanceTable(TomlTable):
     colour: Colour = (0.80, 0.76, 0.72)
     thickness: Annotated[float, Field(ge=0.5, le=2)] = 1.0
     tint: Share = 0.0
+    proportions: Literal["captured", "standard"] = "captured"
     foot_roll: Annotated[float, Field(ge=0, le=180)] | None = None
     dots: Annotated[tuple[Dot, ...], Field(min_length=1)] = (
         "head", "shoulders", "elbows", "wrists", "hips", "knees", "ankles",

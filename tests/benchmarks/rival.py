@@ -11,7 +11,7 @@ WIDTH, HEIGHT = 640, 480
 
 
 def straightforward() -> Callable[[Any, Any], Iterator[Any]]:
-    """Pictures (height, width, 3) of a motion seen by a camera that stands.
+    """Pictures (height, width, 3) of a motion seen by a camera, where it is in each frame.
 
     A capsule from each joint to its parent, each a node, in a scene made for each frame.
     """
@@ -37,15 +37,16 @@ def straightforward() -> Callable[[Any, Any], Iterator[Any]]:
             )
             for j, p in bones
         }
-        for at in positions:
+        for frame, at in enumerate(positions):
+            pose_of_camera = camera.at(frame).pose
             scene = pyrender.Scene(bg_color=(0.5, 0.5, 0.5, 1.0), ambient_light=(0.3, 0.3, 0.3))
             for joint, parent in bones:
                 pose = np.eye(4)
                 pose[:3, :3] = quat.rotate(swing(up, at[joint] - at[parent]), axes).T
                 pose[:3, 3] = at[parent]
                 scene.add(pyrender.Mesh.from_trimesh(capsules[joint, parent]), pose=pose)
-            scene.add(pyrender.DirectionalLight(np.ones(3), 3.0), pose=camera.pose)
-            scene.add(pyrender.PerspectiveCamera(camera.field_of_view), pose=camera.pose)
+            scene.add(pyrender.DirectionalLight(np.ones(3), 3.0), pose=pose_of_camera)
+            scene.add(pyrender.PerspectiveCamera(camera.field_of_view), pose=pose_of_camera)
             yield offscreen.render(scene)[0]
 
     return pictures

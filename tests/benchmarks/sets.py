@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import statistics
 import subprocess
 import sys
@@ -17,7 +18,7 @@ from tests.benchmarks.rows import row
 RUNS = 3
 CORES = 2
 ROOT = Path(__file__).resolve().parents[2]
-LOOK = "\n[appearance]\nwidth = 640\nheight = 480\n"
+SMALL = "[appearance]\nwidth = 640\nheight = 480\n"
 ALL, DRAWN = 22, 2  # clips of the set, and those that the straightforward program draws
 
 
@@ -54,7 +55,8 @@ def _set(place: Path) -> tuple[float, float]:
 
     protocol = place / "jnd-center.toml"
     text = shipped()["jnd-center"].read_text(encoding="utf-8")
-    protocol.write_text(text if "[appearance]" in text else text + LOOK, encoding="utf-8")
+    text = re.sub(r"(?m)^(height|shape) = .*\n", "", text).replace("[appearance]\n", SMALL)
+    protocol.write_text(text, encoding="utf-8")
     seconds, megabytes = [], 0.0
     for run in range(RUNS):
         done = subprocess.run(

@@ -18,6 +18,8 @@ from stimuli.render.landmarks import landmarks
 from stimuli.render.parts import body_parts
 from stimuli.render.reference import reference_pose, swing
 from stimuli.render.rig import moved
+from stimuli.render.shapes import Part
+from stimuli.render.skin import Skin
 from tests.conftest import of_captured
 
 SKELETONS = {
@@ -78,6 +80,25 @@ def loose_pieces(faces: np.ndarray) -> set[int]:
 def test_the_figure_has_the_volume_of_a_slim_adult() -> None:
     litres = volume(body().skin.points.astype(float), body().skin.faces) * 1000
     assert 45 < litres < 80
+
+
+def test_the_skin_lies_on_the_body_and_reaches_to_its_tips() -> None:
+    skin, parts = body().skin, body_parts(landmarks(body().rig.reference))
+    assert len(skin.faces) < 9000
+    sunk = np.abs(body_distance(parts, skin.points[skin.faces].mean(axis=1).astype(float)))
+    assert sunk.mean() < 0.0006
+    assert np.percentile(sunk, 99) < 0.003
+    for part in parts:
+        if part.name.endswith(("hand", "thumb", "toes", "nose")):
+            axis = (part.end - part.start) / part.length
+            assert _near(skin, part) - part.end @ axis > 0.7 * part.caps[1]
+
+
+def _near(skin: Skin, part: Part) -> float:
+    """How far a skin reaches along a part's axis, near its end."""
+    axis = (part.end - part.start) / part.length
+    own = np.linalg.norm(skin.points - part.end, axis=1) < 2 * max(*part.caps, part.widths[-1])
+    return float((skin.points[own] @ axis).max())
 
 
 @pytest.mark.parametrize("style", STYLES)
