@@ -21,12 +21,20 @@ def points(name: str, set_name: str, library: Library) -> dict[str, list[tuple[i
     bound = document["sets"][set_name]
     stated = re.search(r"seed \[(\d+), (\d+), n\]", bound["about"])
     assert stated is not None
+    later = {
+        motion: int(which)
+        for motion, which in re.findall(r"of ([\w-]+) the (\d+)\w\w such point", bound["about"])
+    }
     found: dict[str, list[tuple[int, int]]] = {"written": [], "drawn": []}
     for n, motion in enumerate(document["stimuli"]["motions"]):
         start, end = bound[motion["from"]], bound[motion["to"]]
         generator = np.random.default_rng([int(stated[1]), int(stated[2]), n])
         a, b = library.load(start["clip"]).motion, library.load(end["clip"]).motion
-        found["drawn"].append(draw_point(a, b, POINT_CONDITIONS[name], generator))
+        drawn = [
+            draw_point(a, b, POINT_CONDITIONS[name], generator)
+            for _ in range(later.get(motion["name"], 1))
+        ]
+        found["drawn"].append(drawn[-1])
         found["written"].append((start["frame"], end["frame"]))
     return found
 
