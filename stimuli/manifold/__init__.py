@@ -6,26 +6,29 @@ back to poses and its test, `resequence` motion along ways, `meetings` where cli
 `passing` a way as a transition. scikit-learn loads where a network is trained, plotly in `page`.
 """
 
-from stimuli.manifold.decoder import Decoder, Reconstruction, tested, train_decoder
+from stimuli.manifold.decoder import PoseDecoder, Reconstruction, decoding_errors, train_decoder
 from stimuli.manifold.embedding import Embedding, embed_motions
 from stimuli.manifold.meetings import Meeting, meetings
-from stimuli.manifold.page import write_page
+from stimuli.manifold.page import write_embedding_page
+from stimuli.manifold.passing import passing, taken_dimensions
 from stimuli.manifold.plots import draw_embedding
 from stimuli.manifold.resequence import Resequenced, along_way, resequenced, straight_way
 
 __all__ = [
-    "Decoder",
     "Embedding",
     "Meeting",
+    "PoseDecoder",
     "Reconstruction",
     "Resequenced",
     "along_way",
+    "decoding_errors",
     "draw_embedding",
     "embed_motions",
     "meetings",
+    "passing",
     "resequenced",
     "straight_way",
-    "tested",
+    "taken_dimensions",
     "train_decoder",
-    "write_page",
+    "write_embedding_page",
 ]

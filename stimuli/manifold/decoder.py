@@ -17,17 +17,17 @@ from stimuli.manifold.neighbours import pose_rotations
 from stimuli.motion import quaternions as quat
 from stimuli.motion.quaternions import Array
 
-BLOCK = 8  # frames of a block of time
+DEALT = 8  # frames of a block of time
 SHARES = {"training": 0.7, "validation": 0.15, "test": 0.15}
 LEAST_BLOCKS = 4
-LAYERS = (128, 128)
-EPOCHS = 1500
-PATIENCE = 120  # epochs that the validation error may fail to fall
+HIDDEN = (128, 128)
+EPOCHS = 500
+PATIENT_FOR = 80  # epochs that the validation error may fail to fall
 _RATE = 3e-3  # of learning, halved whenever half of the patience is spent
 
 
 @dataclass(frozen=True, eq=False)
-class Decoder:
+class PoseDecoder:
     """A network from places in an embedding to joint rotations, and what it was tested by.
 
     `sets` are the frames of training, validation and test, `epochs` those until the validation
@@ -64,18 +64,18 @@ def rotations_from_axes(numbers: Array) -> Array:
 
 
 def dealt_blocks(starts: np.ndarray, generator: np.random.Generator) -> dict[str, np.ndarray]:
-    """The frames of each set, by blocks of at most BLOCK frames that never span two clips.
+    """The frames of each set, by blocks of at most DEALT frames that never span two clips.
 
     InputError for fewer than four blocks in all.
     """
     blocks = [
         part
         for first, end in pairwise(starts)
-        for part in np.array_split(np.arange(first, end), max(round((end - first) / BLOCK), 1))
+        for part in np.array_split(np.arange(first, end), max(round((end - first) / DEALT), 1))
     ]
     if len(blocks) < LEAST_BLOCKS:
         raise InputError(
-            f"decoder: expected {LEAST_BLOCKS * BLOCK} frames or more to train and test by, found "
+            f"decoder: expected {LEAST_BLOCKS * DEALT} frames or more to train and test by, found "
             f"{int(starts[-1])}.\nTake longer clips, or several."
         )
     order = generator.permutation(len(blocks))
@@ -85,7 +85,7 @@ def dealt_blocks(starts: np.ndarray, generator: np.random.Generator) -> dict[str
     return {name: np.concatenate([blocks[n] for n in np.sort(sets[name])]) for name in SHARES}
 
 
-def train_decoder(embedding: Embedding, dimensions: int, seed: int = 0) -> Decoder:
+def train_decoder(embedding: Embedding, dimensions: int, seed: int = 0) -> PoseDecoder:
     """The network of an embedding in so many dimensions, trained until its validation error rises.
 
     The seed deals the blocks and starts the network.
@@ -101,7 +101,7 @@ def train_decoder(embedding: Embedding, dimensions: int, seed: int = 0) -> Decod
     targets = quat.axes(pose_rotations(embedding.motions)).reshape(len(places), -1)
     train, check = sets["training"], sets["validation"]
     network = MLPRegressor(
-        hidden_layer_sizes=LAYERS, activation="relu", alpha=1e-5, learning_rate_init=_RATE,
+        hidden_layer_sizes=HIDDEN, activation="relu", alpha=1e-5, learning_rate_init=_RATE,
         batch_size=min(max(16, len(train) // 32), len(train)),
         random_state=int(generator.integers(2**31)),
     )  # fmt: skip
@@ -112,13 +112,13 @@ def train_decoder(embedding: Embedding, dimensions: int, seed: int = 0) -> Decod
         if error < best:
             best, reached = error, epoch
             weights = copy.deepcopy((network.coefs_, network.intercepts_))
-        elif epoch - reached >= PATIENCE:
+        elif epoch - reached >= PATIENT_FOR:
             break
-        elif epoch - reached == PATIENCE // 2:
+        elif epoch - reached == PATIENT_FOR // 2:
             network._optimizer.learning_rate_init *= 0.5
     assert weights is not None, "an error is finite, and less than infinite"
     network.coefs_, network.intercepts_ = weights
-    return Decoder(network, dimensions, centre, scale, sets, reached)
+    return PoseDecoder(network, dimensions, centre, scale, sets, reached)
 
 
 def degrees_apart(p: Array, q: Array) -> Array:
@@ -148,7 +148,7 @@ class Reconstruction:
         return [name for name, e in self.roles.items() if e["network"] > e["nearest"]]
 
 
-def tested(decoder: Decoder, embedding: Embedding) -> Reconstruction:
+def decoding_errors(decoder: PoseDecoder, embedding: Embedding) -> Reconstruction:
     """How far decoded poses of the test set are from the captured ones, beside what is easier."""
     poses = pose_rotations(embedding.motions)
     test = decoder.sets["test"]

@@ -26,7 +26,7 @@ from stimuli.manifold.neighbours import (
 from stimuli.motion.quaternions import Array
 from stimuli.motion.skeleton import Motion
 
-WHOLE = 2000  # frames; more are placed by landmarks
+SCALED_WHOLE = 2000  # frames; more are placed by landmarks
 LANDMARKS = 400
 
 
@@ -81,7 +81,7 @@ def embed_motions(
     names: Sequence[str] | None = None,
     neighbours: int = NEIGHBOURS,
     seed: int = 0,
-    whole: int = WHOLE,
+    whole: int = SCALED_WHOLE,
 ) -> Embedding:
     """Isomap of all frames on the geodesic pose distance of all joints but the root (VII.2).
 

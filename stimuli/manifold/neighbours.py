@@ -92,7 +92,7 @@ def check_whole(graph: Any, poses: Array, count: int, names: Sequence[str]) -> N
     raise InputError(
         f"embedding: expected a neighbourhood graph in one piece, found {pieces} pieces with "
         f"{count} neighbours: {'; '.join(told)}{more}; nearest to the rest: {', '.join(gaps)}.\n"
-        f"Give --neighbours {_joining(poses, count)}, the least that joins them, or other clips."
+        f"Give --neighbours {_joining(poses, count)}, the fewest that join them, or other clips."
     )
 
 

@@ -1,7 +1,7 @@
-"""An embedding as a page to turn and to point at, which needs no network: plotly's own code is in
-it."""
+"""An embedding as a page to turn and to point at, with plotly's own code: it needs no network."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from stimuli.manifold.embedding import Embedding
 from stimuli.manifold.plots import CLIP_COLOURS
 
 
-def write_page(embedding: Embedding, path: Path) -> None:
+def write_embedding_page(embedding: Embedding, path: Path) -> None:
     """The curves in three dimensions, each frame with its clip and number under the pointer.
 
     InputError where plotly, an extra, is not installed.
@@ -28,9 +28,13 @@ def write_page(embedding: Embedding, path: Path) -> None:
         x, y, z = embedding.places[starts[clip] : starts[clip + 1], :3].T
         frames = np.arange(len(x))
         colour = CLIP_COLOURS[clip % len(CLIP_COLOURS)]
-        dots = {"size": 3, "color": frames if one else colour, "colorscale": "Viridis"}
+        dots: dict[str, Any] = {
+            "size": 3,
+            "color": frames if one else colour,
+            "colorscale": "Viridis",
+        }
         if one:
-            dots["colorbar"] = {"title": "frame"}
+            dots |= {"color": frames, "colorscale": "Viridis", "colorbar": {"title": "frame"}}
         figure.add_scatter3d(
             x=x, y=y, z=z, mode="lines+markers", name=name, text=[f"{name}:{n}" for n in frames],
             hoverinfo="text", marker=dots, line={"color": "gray" if one else colour, "width": 2},

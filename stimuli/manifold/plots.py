@@ -34,7 +34,8 @@ def draw_embedding(
 
     shown = min(len(embedding.motions), _ROWS)
     figure = Figure(figsize=(10.0, 5.6 + 1.5 * shown), layout="constrained")
-    above, below = figure.subfigures(2, 1, height_ratios=(5.6, 1.5 * shown))
+    parts = figure.subfigures(2, 1, squeeze=False, height_ratios=(5.6, 1.5 * shown))
+    above, below = parts[:, 0]
     grid = above.add_gridspec(1, 2, width_ratios=(1.9, 1.0))
     curves = above.add_subplot(grid[0], projection="3d")
     _draw_curves(curves, embedding, found)

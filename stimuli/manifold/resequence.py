@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stimuli.errors import InputError
-from stimuli.manifold.decoder import Decoder, two_nearest
+from stimuli.manifold.decoder import PoseDecoder, two_nearest
 from stimuli.manifold.embedding import Embedding
 from stimuli.motion import quaternions as quat
 from stimuli.motion.kinematics import headings
@@ -44,7 +44,7 @@ class _Carried:
 
 
 def resequenced(
-    embedding: Embedding, decoder: Decoder, frames: int, generator: np.random.Generator
+    embedding: Embedding, decoder: PoseDecoder, frames: int, generator: np.random.Generator
 ) -> Resequenced:
     """So many frames of motion along straight ways between frames drawn at random.
 
@@ -62,10 +62,9 @@ def resequenced(
         length += along[-1]
     gone = np.concatenate([[0.0], np.cumsum(along)])
     wanted = step * np.arange(frames)
-    way = np.stack(
-        [np.interp(wanted, gone, places[stops, axis]) for axis in range(places.shape[1])]
-    )
-    return Resequenced(along_way(embedding, decoder, way.T), way.T, np.array(stops))
+    columns = [np.interp(wanted, gone, column[stops]) for column in places.T]
+    way = np.stack(columns, axis=1)
+    return Resequenced(along_way(embedding, decoder, way), way, np.array(stops))
 
 
 def straight_way(embedding: Embedding, dimensions: int, start: int, end: int) -> Array:
@@ -77,7 +76,7 @@ def straight_way(embedding: Embedding, dimensions: int, start: int, end: int) ->
     return np.asarray((1 - share) * places[start] + share * places[end])
 
 
-def along_way(embedding: Embedding, decoder: Decoder, way: Array, lock: bool = True) -> Motion:
+def along_way(embedding: Embedding, decoder: PoseDecoder, way: Array, lock: bool = True) -> Motion:
     """The motion (F frames) decoded along places (F, d), on the body of the first clip."""
     skeleton = embedding.motions[0].skeleton
     motions = [on_skeleton(motion, skeleton) for motion in embedding.motions]

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from stimuli.manifold import Decoder, Embedding, Meeting, Reconstruction
+    from stimuli.manifold import Embedding, Meeting, PoseDecoder, Reconstruction
     from stimuli.motion import Clip, Motion
 
 _MOST = 10
@@ -43,7 +43,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     from stimuli.errors import InputError
-    from stimuli.manifold import draw_embedding, embed_motions, meetings, write_page
+    from stimuli.manifold import (
+        draw_embedding,
+        embed_motions,
+        meetings,
+        taken_dimensions,
+        write_embedding_page,
+    )
     from study.cli.clips import open_all, tell_warnings
     from study.cli.common import check_outputs, print_json
     from study.cli.writing import MOTION_FILES, write_motion
@@ -55,7 +61,7 @@ def run(args: argparse.Namespace) -> int:
     embedding = embed_motions(
         [clip.motion for clip in clips], _names(clips), args.neighbours, args.seed
     )
-    dimensions = args.dimensions or max(embedding.knee, 3)
+    dimensions = taken_dimensions(embedding, args.dimensions)
     close = meetings(embedding, dimensions)
     document = _document(embedding, dimensions, close)
     try:
@@ -73,7 +79,7 @@ def run(args: argparse.Namespace) -> int:
             document["resequenced"] = scores
     for path in args.out:
         if path.suffix.lower() == ".html":
-            write_page(embedding, path)
+            write_embedding_page(embedding, path)
         elif path.suffix.lower() in _OUT:
             draw_embedding(embedding, path, dimensions, close)
         else:
@@ -118,14 +124,14 @@ def _rounded(row: dict[str, Any]) -> dict[str, Any]:
 
 def _decoded(
     embedding: "Embedding", dimensions: int, seed: int
-) -> "tuple[Decoder, Reconstruction]":
-    from stimuli.manifold import tested, train_decoder
+) -> "tuple[PoseDecoder, Reconstruction]":
+    from stimuli.manifold import decoding_errors, train_decoder
 
     decoder = train_decoder(embedding, dimensions, seed)
-    return decoder, tested(decoder, embedding)
+    return decoder, decoding_errors(decoder, embedding)
 
 
-def _tests(decoder: "Decoder", quality: "Reconstruction") -> dict[str, Any]:
+def _tests(decoder: "PoseDecoder", quality: "Reconstruction") -> dict[str, Any]:
     return {
         "epochs": decoder.epochs,
         **{f"{name}_frames": len(frames) for name, frames in decoder.sets.items()},
@@ -146,7 +152,7 @@ def _verdict(quality: "Reconstruction") -> str | None:
 
 
 def _resequenced(
-    embedding: "Embedding", decoder: "Decoder", clips: "list[Clip]", args: argparse.Namespace
+    embedding: "Embedding", decoder: "PoseDecoder", clips: "list[Clip]", args: argparse.Namespace
 ) -> "tuple[Motion, dict[str, Any]]":
     """The motion, and its score beside the clips' own, as `segue score` has them."""
     import numpy as np
