@@ -30,8 +30,7 @@ def write_embedding_page(embedding: Embedding, path: Path) -> None:
         colour = CLIP_COLOURS[clip % len(CLIP_COLOURS)]
         dots: dict[str, Any] = {
             "size": 3,
-            "color": frames if one else colour,
-            "colorscale": "Viridis",
+            "color": colour,
         }
         if one:
             dots |= {"color": frames, "colorscale": "Viridis", "colorbar": {"title": "frame"}}
