@@ -8,6 +8,7 @@ from PIL import Image
 
 from stimuli.motion import load_clip, write_walker
 from study.cli import main
+from tests.browser import ask
 
 ONE, OTHER = "generated-walker-0", "generated-walker-1"
 
@@ -49,6 +50,17 @@ def test_one_clip_is_embedded_drawn_and_resequenced(place: Path, capsys) -> None
     page = Path("e.html").read_text(encoding="utf-8")
     assert f"{ONE}:7" in page
     assert "<script src=" not in page
+
+
+def test_the_page_draws_both_clips_and_asks_for_nothing(place: Path, tmp_path: Path) -> None:
+    assert main(["embed", ONE, OTHER, "--neighbours", "40", "--out", "e.html"]) == 0
+    script = """
+        const asked = performance.getEntriesByType("resource").map(entry => entry.name);
+        const plot = document.querySelector(".js-plotly-plot");
+        return { asked, clips: plot.data.map(curve => curve.name) };
+    """
+    told = ask(place / "e.html", script, tmp_path / "profile")
+    assert told == {"asked": [], "clips": [ONE, OTHER]}
 
 
 def test_two_clips_together_name_where_they_come_close(capsys) -> None:
