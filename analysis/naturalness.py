@@ -9,11 +9,13 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from scipy.stats import norm, rankdata
 
 from analysis.psychometric.bootstrap import percentile_interval
 from analysis.psychometric.functions import Array
 
 _SAMPLES = 2000
+_INTERVAL = 0.95
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,6 +39,24 @@ class ReceiverCurve:
     low: float
     high: float
     answers: int
+
+
+@dataclass(frozen=True)
+class AreaDifference:
+    """By how much the area of one score is larger than another's on the same clips, and its test.
+
+    `difference`, its 95 % interval, z and p are those of DeLong, DeLong and Clarke-Pearson (1988).
+    """
+
+    first: str
+    second: str
+    areas: tuple[float, float]
+    difference: float
+    low: float
+    high: float
+    z: float
+    p: float
+    clips: int
 
 
 def labels(trials: pd.DataFrame) -> Labels:
@@ -88,6 +108,43 @@ def _resampled(
     u, n = (who @ unnatural) * which, (who @ natural) * which
     with np.errstate(invalid="ignore"):
         return ((u @ above) * n).sum(1) / (u.sum(1) * n.sum(1))
+
+
+def called_unnatural(answers: Labels) -> Array:
+    """What most people call each clip (C,): 1 unnatural, 0 natural, NaN where halves disagree."""
+    for_it, against = answers.unnatural.sum(0), answers.natural.sum(0)
+    return np.where(for_it == against, np.nan, (for_it > against).astype(float))
+
+
+def delong(
+    scores: dict[str, Array], first: str, second: str, unnatural: Array
+) -> AreaDifference | None:
+    """Whether two `scores` (C,) of the same clips differ in area; None without both kinds of clip.
+
+    A clip is one case, called as most people call it (`unnatural`, (C,) of 1, 0 and NaN); clips
+    without a call or either score are left out. Components by midranks (Sun and Xu 2014).
+    """
+    both = np.stack([scores[first], scores[second]])
+    known = np.isfinite(both).all(axis=0) & np.isfinite(unnatural)
+    both, bad = both[:, known], unnatural[known] == 1
+    m, n = int(bad.sum()), int((~bad).sum())
+    if min(m, n) < 2:
+        return None
+    among_all, of_bad, of_good = (
+        np.array([rankdata(row) for row in part]) for part in (both, both[:, bad], both[:, ~bad])
+    )
+    hit = (among_all[:, bad] - of_bad) / n
+    spared = 1 - (among_all[:, ~bad] - of_good) / m
+    areas = hit.mean(axis=1)
+    spread = np.cov(hit) / m + np.cov(spared) / n
+    difference = float(areas[0] - areas[1])
+    error = float(np.sqrt(max(spread[0, 0] + spread[1, 1] - 2 * spread[0, 1], 0.0)))
+    z = difference / error if error > 0 else 0.0
+    reach = float(norm.ppf(0.5 + _INTERVAL / 2)) * error
+    return AreaDifference(
+        first, second, (float(areas[0]), float(areas[1])), difference,
+        difference - reach, difference + reach, z, float(2 * norm.sf(abs(z))), m + n,
+    )  # fmt: skip
 
 
 def krippendorff_alpha(ratings: Array) -> float | None:

@@ -15,7 +15,7 @@ _UNKNOWN = {
     "odd-pair": "bias and coverage of its estimates under its own staircase are not known",
     "preference": "the power of its tests is not known",
 }
-_UNKNOWN_OTHERWISE = "how long its sessions take and how they are balanced is not known beforehand"
+_UNKNOWN_OTHERWISE = "what its answers come to, and how surely, is not known beforehand"
 
 
 def certificates(data: list[Path]) -> dict[str, Any]:

@@ -25,7 +25,7 @@ _TASKS = {
 _QUESTIONS = {
     "odd-pair": "By how many frames must the length of a blend differ for people to see it?",
     "preference": "Which way of joining two motions do people find more natural?",
-    "rating": "How realistic, and how noticeable, do people find the transitions of two methods?",
+    "rating": "How realistic, and how noticeable, do people find the transitions compared?",
     "natural": "Which transitions do people call natural, and does a score predict it?",
 }
 
@@ -50,9 +50,12 @@ def asked_section(context: Context) -> Section:
     facts = [("Question", _QUESTIONS[study.task]), ("Task", _TASKS[study.task])]
     if named:
         facts.append(("Motions", listing(named)))
+    conditions = list(dict.fromkeys(str(m["condition"]) for m in shown if m.get("condition")))
+    if conditions:
+        facts.append(("Compared", listing(conditions)))
     methods = context.protocol.get("methods")
     if methods:
-        facts.append(("Methods", listing([str(m) for m in methods])))
+        facts.append(("Joined by" if conditions else "Methods", listing([str(m) for m in methods])))
     return Section("What was asked", facts=tuple(facts))
 
 

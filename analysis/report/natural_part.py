@@ -1,14 +1,27 @@
 """The results of a study of naturalness labels."""
 
+from dataclasses import asdict
+
 import numpy as np
 import pandas as pd
 
-from analysis.naturalness import ReceiverCurve, agreement, labels, receiver_curve, scores_of
+from analysis.naturalness import (
+    AreaDifference,
+    ReceiverCurve,
+    agreement,
+    called_unnatural,
+    delong,
+    labels,
+    receiver_curve,
+    scores_of,
+)
+from analysis.psychometric.functions import Array
 from analysis.report.context import Context
 from analysis.report.draw import GRID_COLOUR, PALE, SERIES, canvas
 from analysis.report.parts import Figure, Findings, ReportTable, Section
-from analysis.report.words import count, interval, rounded, share
+from analysis.report.words import count, interval, p_value, rounded, share
 
+OURS = "naturalness"  # the score that others are held against, where clips have it
 DRAWN = 6  # curves in the figure; the table has them all
 
 
@@ -23,6 +36,7 @@ def report_natural(context: Context) -> Findings:
         for name, values in scores.items()
         if (curve := receiver_curve(name, values, found, rng)) is not None
     ]
+    tests = _differences(curves, scores, called_unnatural(found))
     unnatural = float(found.unnatural.sum() / (found.unnatural + found.natural).sum())
     answers = int((found.unnatural + found.natural).sum())
     alpha = alike["krippendorff_alpha"]
@@ -39,11 +53,12 @@ def report_natural(context: Context) -> Findings:
             {"score": c.score, "area": c.area, "low": c.low, "high": c.high, "n": c.answers}
             for c in curves
         ],
+        "area_differences": [asdict(test) for test in tests],
     }
     section = Section(
         "Naturalness",
         text=() if curves else ("The records hold no scores of these clips to hold against them.",),
-        findings=(first, *(_sentence(curve) for curve in curves)),
+        findings=(first, *map(_sentence, curves), *map(_difference_sentence, tests)),
         figures=(_figure(context.stem, curves),) if curves else (),
         tables=(_table(context.stem, curves),) if curves else (),
     )
@@ -56,6 +71,29 @@ def _sentence(curve: ReceiverCurve) -> str:
         f"The score {curve.score} {'tells' if told else 'does not tell'} natural from unnatural "
         f"clips: area under the receiver operating curve {share(curve.area)}, "
         f"{interval(curve.low, curve.high)} (people and clips resampled)."
+    )
+
+
+def _differences(
+    curves: list[ReceiverCurve], scores: dict[str, Array], unnatural: Array
+) -> list[AreaDifference]:
+    """The score against every other: Segue's own, else the one that tells most."""
+    if len(curves) < 2:
+        return []
+    names = [curve.score for curve in sorted(curves, key=lambda c: (-abs(c.area - 0.5), c.score))]
+    held = OURS if OURS in names else names[0]
+    found = [delong(scores, held, other, unnatural) for other in names if other != held]
+    return [test for test in found if test is not None]
+
+
+def _difference_sentence(test: AreaDifference) -> str:
+    told = "differ" if test.p < 0.05 else "do not differ significantly"
+    return (
+        f"The areas of {test.first} and {test.second} {told}: {share(test.areas[0])} against "
+        f"{share(test.areas[1])} over {count(test.clips, 'clip')} as most people called them, "
+        f"difference {share(test.difference)}, "
+        f"95% CI [{share(test.low)}, {share(test.high)}], "
+        f"z = {rounded(test.z)}, {p_value(test.p)} (DeLong)."
     )
 
 

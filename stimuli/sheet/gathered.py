@@ -16,6 +16,7 @@ from stimuli.sets.masters import clip_frames
 WIDEST = 640  # pixels of a picture in the page; a master may have more
 QUALITY = 88  # of WebP, a seventh of JPEG in size; the background stays exact
 _COLUMNS = 9  # pictures of a strip
+_TALLEST = 400  # lines of a picture that a strip is cut from; a master may have more
 
 
 @dataclass(frozen=True)
@@ -88,7 +89,7 @@ def _shown(clips: tuple[ClipEntry, ...]) -> MotionSheet:
                 images.append(_webp(picture, small))
             places.append(known[key])
             if number in numbers:
-                chosen.append(picture)
+                chosen.append(_lower(picture))
         frames.append(tuple(places))
         cut.append(np.stack(chosen))
     boxed = _box(np.concatenate(cut))
@@ -109,6 +110,17 @@ def _numbers(clips: tuple[ClipEntry, ...]) -> tuple[int, ...]:
 def _fitting(width: int, height: int) -> tuple[int, int]:
     scale = min(1.0, WIDEST / width)
     return round(width * scale), round(height * scale)
+
+
+def _lower(picture: Pictures) -> Pictures:
+    """The picture with at most `_TALLEST` lines; where it is of one colour it stays so."""
+    from PIL import Image
+
+    high, wide = picture.shape[:2]
+    if high <= _TALLEST:
+        return picture
+    size = round(wide * _TALLEST / high), _TALLEST
+    return np.asarray(Image.fromarray(picture).resize(size, Image.Resampling.BOX))
 
 
 def _webp(picture: Pictures, size: tuple[int, int]) -> bytes:

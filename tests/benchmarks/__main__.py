@@ -1,7 +1,11 @@
-"""Run all benchmarks, write `bench.json` and print it as a table."""
+"""Run all benchmarks, write `bench.json` and print it as a table.
+
+python -m tests.benchmarks [NAME ...]    # some of them alone, printed and not written
+"""
 
 import json
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,12 +14,18 @@ from tests.benchmarks import graphs, manifolds, motion, render, session, sets, s
 MODULES = (motion, graphs, manifolds, statistics, render, sets, session)
 
 
-def main() -> int:
-    """Measure; 1 when a target is not met."""
+def main(names: Sequence[str] = ()) -> int:
+    """Measure; 1 when a target is not met, 2 for a name that no benchmark has."""
+    known = {module.__name__.rpartition(".")[2]: module for module in MODULES}
+    if unknown := set(names) - set(known):
+        print(f"{', '.join(sorted(unknown))}: expected some of {', '.join(known)}", file=sys.stderr)
+        return 2
     rows: list[dict[str, Any]] = []
-    for module in MODULES:
-        rows += module.rows()
-    Path("bench.json").write_text(json.dumps(rows, indent=2) + "\n", encoding="utf-8")
+    for name, module in known.items():
+        if name in names or not names:
+            rows += module.rows()
+    if not names:
+        Path("bench.json").write_text(json.dumps(rows, indent=2) + "\n", encoding="utf-8")
     print(table(rows))
     return 0 if all(row["met"] is not False for row in rows) else 1
 
@@ -40,4 +50,4 @@ def _cell(value: object) -> str:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main(sys.argv[1:]))
