@@ -3,8 +3,8 @@
 Held: the residual variance of walks falls to a knee and stays (Fig. VII.2), their curves wind once
 a cycle and close (Fig. VII.3), a dance falls slowly (Fig. VII.5), training is to be stopped early
 (VII.2.1). Not held: the knee of a walk is at two dimensions, not three, since one cycle is a closed
-curve, which is flat in two; and the network's in-between frames are no better than the nearest
-captured ones (VII.2.2), as a walk has too few cycles to learn more than its own frames.
+curve, which is flat in two; the network's in-between frames are no nearer to captured ones than two
+captured frames interpolated, and motion along straight ways is far less natural (VII.2.2).
 """
 
 from itertools import pairwise
@@ -133,12 +133,22 @@ def test_training_is_stopped_when_the_validation_error_rises_vii_2_1(decoded) ->
 
 
 @pytest.mark.usefixtures("motions")
-def test_the_network_is_not_better_than_the_nearest_frame_vii_2_2(decoded) -> None:
-    """2.9 degrees beside 2.6 of the nearest frame and 2.5 of the two nearest, interpolated."""
-    embedding, decoder = decoded
-    errors = decoding_errors(decoder, embedding).errors
-    assert errors["nearest"] < errors["network"] < 1.5 * errors["nearest"]
-    assert errors["interpolated"] < errors["nearest"]
+def test_the_network_estimates_no_better_than_two_captured_frames_vii_2_2(
+    cmu: dict[str, Embedding], decoded
+) -> None:
+    """Its error beside that of the two nearest frames, interpolated, on blocks not trained by.
+
+    Of 15 clips by 2 seeds it was smaller than the nearest frame's in 18 cases of 30 (median ratio
+    .97) and larger than the interpolated one's in 17 (1.03).
+    """
+    ratios = []
+    for name in CMU_WALKS:
+        decoder = decoded[1] if name == "16_15" else train_decoder(cmu[name], 3)
+        errors = decoding_errors(decoder, cmu[name]).errors
+        assert errors["interpolated"] < errors["nearest"]
+        assert 0.6 < errors["network"] / errors["nearest"] < 1.5
+        ratios.append(errors["network"] / errors["interpolated"])
+    assert 0.8 < np.mean(ratios) < 1.25
 
 
 @pytest.mark.usefixtures("motions")
