@@ -11,6 +11,7 @@ import numpy as np
 
 from stimuli.motion.quaternions import Array
 
+_FEW = 200  # frames; of more only the largest eigenvalues are looked for
 MOST = 10  # dimensions whose residual variance is told (VII.2)
 
 
@@ -55,14 +56,14 @@ def residual_variances(ways: Array, rows: np.ndarray, places: Array) -> Array:
     ours = (np.arange(ways.shape[1])[None, :] != rows[:, None]).ravel()
     target = ways.ravel()[ours]
     target = target - target.mean()
-    size = float(target @ target)
+    size = float(np.square(target).sum())
     square, left = np.zeros(ways.shape), []
     for column in places.T:
         square += np.square(column[rows][:, None] - column)
         straight = np.sqrt(square).ravel()[ours]
         straight -= straight.mean()
-        shared = size * float(straight @ straight)
-        left.append(1 - float(target @ straight) ** 2 / shared if shared > 0 else 1.0)
+        shared = size * float(np.square(straight).sum())
+        left.append(1 - float((target * straight).sum()) ** 2 / shared if shared > 0 else 1.0)
     return np.array(left)
 
 
@@ -87,9 +88,16 @@ def _centred(squares: Array) -> Array:
 def _spectrum(product: Array, dimensions: int) -> tuple[Array, Array]:
     """The largest eigenvalues, none below zero, and their vectors (N, d)."""
     from scipy.linalg import eigh
+    from scipy.sparse.linalg import eigsh
 
     last = len(product) - 1
-    values, vectors = eigh(product, subset_by_index=[last - dimensions + 1, last])
+    if last < _FEW:
+        values, vectors = eigh(product, subset_by_index=[last - dimensions + 1, last])
+    else:  # by Lanczos' method, from one and the same vector
+        start = np.random.default_rng(0).normal(size=last + 1)
+        values, vectors = eigsh(product, dimensions, which="LA", v0=start)
+        order = np.argsort(values, kind="stable")
+        values, vectors = values[order], vectors[:, order]
     return np.maximum(values[::-1], 0.0), vectors[:, ::-1]
 
 
