@@ -28,6 +28,7 @@ FLOORS = (
     ("stimuli.transition",),
     ("stimuli.naturalness",),
     ("stimuli.collection",),
+    ("stimuli.manifold",),
     ("stimuli.graph",),
     ("stimuli.render",),
     ("stimuli.sets",),

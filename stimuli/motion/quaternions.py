@@ -116,6 +116,18 @@ def geodesic(p: Array, q: Array) -> Array:
     return np.asarray(2.0 * np.arcsin(np.minimum(0.5 * chord, 1.0)))
 
 
+def axes(rotations: Array) -> Array:
+    """The turned X and Y axes (..., 6) of rotations (..., 4), which are alike for q and −q."""
+    w, x, y, z = (rotations[..., k] for k in range(4))
+    return np.stack(
+        [
+            1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y),
+            2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x),
+        ],
+        axis=-1,
+    )  # fmt: skip
+
+
 def slerp(p: Array, q: Array, weight: Array | float) -> Array:
     """Spherical interpolation on the shorter arc, p at weight 0 and ±q at 1; weight (...,)."""
     weight = np.asarray(weight, dtype=float)[..., None]

@@ -22,7 +22,6 @@ from typing import Any
 import numpy as np
 
 from stimuli.motion import quaternions as quat
-from stimuli.motion.quaternions import Array
 from stimuli.motion.skeleton import Motion
 from stimuli.transition import METHODS, Transition
 
@@ -50,25 +49,13 @@ def motion_digest(motion: Motion) -> str:
     whole = [body.parents.tolist(), body.end_parents.tolist(), sorted(body.roles.items()),
              motion.rotations.shape]  # fmt: skip
     sha.update(digest(whole).encode())
-    parts = [body.offsets, body.end_offsets, axes(motion.rotations), motion.root]
+    parts = [body.offsets, body.end_offsets, quat.axes(motion.rotations), motion.root]
     if motion.cycle is not None:
         cycle = motion.cycle
-        parts += [np.array([cycle.period]), axes(cycle.rotations), cycle.root]
+        parts += [np.array([cycle.period]), quat.axes(cycle.rotations), cycle.root]
     for part in parts:
         sha.update(np.rint(part / GRID).astype("<i8").tobytes())
     return sha.hexdigest()
-
-
-def axes(rotations: Array) -> Array:
-    """The turned X and Y axes (..., 6) of rotations (..., 4), which are alike for q and −q."""
-    w, x, y, z = (rotations[..., k] for k in range(4))
-    return np.stack(
-        [
-            1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y),
-            2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x),
-        ],
-        axis=-1,
-    )  # fmt: skip
 
 
 def joining(transition: Transition) -> dict[str, Any]:

@@ -37,6 +37,17 @@ def lock_feet(motion: Motion, a: Motion, b: Motion, window: Window) -> Motion:
     first = max(window.first - EASE, 0)
     carried = _carried(contacts(a), contacts(b), window, slice(first, len(motion)))
     blend = (window.first - first, window.last - first)
+    return feet_held(motion, carried, first, blend, _two_places(motion.skeleton, a, b, window))
+
+
+def feet_held(
+    motion: Motion, carried: Contacts, first: int, blend: tuple[int, int], moved: Array
+) -> Motion:
+    """The motion with the feet held that stand, from its frame `first` on.
+
+    `carried` (F − first rows) are the contacts that it should have, `blend` the first and last row
+    in which a step may not be the captured one, `moved` (2,) how far either foot is to be held.
+    """
     plants = [spans(carried.stands[:, side]) for side in range(len(SIDES))]
     lasts = [last for of_side in plants for _, last in touching(of_side, *blend)]
     if not lasts:
@@ -45,7 +56,7 @@ def lock_feet(motion: Motion, a: Motion, b: Motion, window: Window) -> Motion:
     pose = leg_pose(motion, rows)
     steps = floor_steps(pose, carried.on_toe[: len(pose.toe)])
     own = quat.rotate(pose.foot, carried.steps[: len(steps)]) * LEVEL
-    slides = slid(steps, own) * _two_places(motion.skeleton, a, b, window)[:, None]
+    slides = slid(steps, own) * moved[:, None]
     ends = rows.stop == len(motion)
 
     def corrected(side: int, within: Array, short: Array) -> Array:

@@ -59,37 +59,42 @@ class Transition:
 class Method:
     """A rule for the length of a blend, the way of blending, and what a given length means.
 
-    A method that goes `through` other motions needs a collection of them, out of which its caller
-    has found a route: its length and how it is reached.
+    What a method goes `through` is a "collection" of other motions or an "embedding" of the two, in
+    which its caller has found a route: its length and how it is reached.
     """
 
     length: LengthFunction
     blend: Callable[[Join], Joined]
     given: GivenFunction = length_given
-    through: bool = False
+    through: str = ""
 
 
-def _length_unrouted(a: Motion, b: Motion, i: int, j: int, specification: str) -> Length:
-    """Two motions alone do not say how long a way through others is."""
-    raise InputError(
-        "motion-graph: expected a collection of clips through which a way leads, found none.\n"
-        "In a protocol give each set a table [sets.NAME.collection]; elsewhere name a directory "
-        "with --motions."
-    )
+def _routes(name: str, through: str, lacking: str) -> Method:
+    """A method whose way is found before: two motions alone do not say how long it is."""
 
+    def length(a: Motion, b: Motion, i: int, j: int, specification: str) -> Length:
+        raise InputError(f"{name}: {lacking}")
 
-def _given_unrouted(
-    a: Motion, b: Motion, i: int, j: int, specification: str, frames: int
-) -> Length:
-    raise InputError(
-        f"motion-graph: expected no length, which the shortest way has itself, found {frames}.\n"
-        "Leave it out."
-    )
+    def given(a: Motion, b: Motion, i: int, j: int, specification: str, frames: int) -> Length:
+        raise InputError(
+            f"{name}: expected no length, which its way has itself, found {frames}.\nLeave it out."
+        )
+
+    return Method(length, join_route, given, through)
 
 
 _geodesic_to_decay = partial(length_geodesic, fits=room_to_decay)
 
 
+_NO_COLLECTION = (
+    "expected a collection of clips through which a way leads, found none.\n"
+    "In a protocol give each set a table [sets.NAME.collection]; elsewhere name a directory with "
+    "--motions."
+)
+_NO_EMBEDDING = (
+    "expected a way through the embedding of both motions, found none.\n"
+    "In a protocol and in `segue blend` it is found; elsewhere call stimuli.manifold.passing."
+)
 METHODS: Mapping[str, Method] = MappingProxyType(
     {
         "cut": Method(length_none, join_cut),
@@ -102,7 +107,8 @@ METHODS: Mapping[str, Method] = MappingProxyType(
         "inertialization": Method(_geodesic_to_decay, join_inertialized(decay_quintic)),
         "inertialization-spring": Method(_geodesic_to_decay, join_inertialized(decay_spring)),
         "dead-blending": Method(partial(length_geodesic, fits=room_to_extrapolate), join_dead),
-        "motion-graph": Method(_length_unrouted, join_route, _given_unrouted, through=True),
+        "motion-graph": _routes("motion-graph", "collection", _NO_COLLECTION),
+        "manifold": _routes("manifold", "embedding", _NO_EMBEDDING),
     }
 )
 PAIRWISE = tuple(name for name, method in METHODS.items() if not method.through)
@@ -122,15 +128,15 @@ def blend_length(
     specified(specification)
     way = _method(method)
     if way.through and route is not None:
-        return _routed(route, specification)
+        return _routed(method, route, specification)
     return way.length(a, b, i, j, specification)
 
 
-def _routed(route: Route, specification: str) -> Length:
+def _routed(method: str, route: Route, specification: str) -> Length:
     """The frames that a route takes, after which frame j of B is reached."""
     if specification != "start-end":
         raise InputError(
-            "motion-graph: expected the specification start-end, which leaves A at frame i and "
+            f"{method}: expected the specification start-end, which leaves A at frame i and "
             f"reaches frame j of B, found {specification}.\nBoth at one instant leave no way."
         )
     return Length(route.frames, {"cuts": route.cuts, "cuts_cost": round(route.cost, 6)})
@@ -161,7 +167,7 @@ def transition(
     specified(specification)
     way = _method(method)
     if frames is None and way.through and route is not None:
-        length = _routed(route, specification)
+        length = _routed(method, route, specification)
     elif frames is None:
         length = way.length(a, b, i, j, specification)
     else:

@@ -152,7 +152,7 @@ def _found(motion: Motion) -> Contacts:
         slow.append((speed * motion.fps < SPEED) & low)
         speeds.append((speed + 1e-6) ** 2)
     stands = (slow[0] | slow[1]).T
-    steady = np.stack([_without_flicker(side) for side in stands], axis=-1)
+    steady = np.stack([without_flicker(side) for side in stands], axis=-1)
     on_toe = speeds[0] / (speeds[0] + speeds[1])
     steps = quat.rotate(quat.inverse(pose.foot), floor_steps(pose, on_toe))
     return Contacts(steady, on_toe, steps)
@@ -164,7 +164,7 @@ def spans(flags: np.ndarray) -> list[tuple[int, int]]:
     return [(int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
-def _without_flicker(flags: np.ndarray) -> np.ndarray:
+def without_flicker(flags: np.ndarray) -> np.ndarray:
     """Gaps and then runs shorter than the shortest plant are closed and dropped."""
     steady = flags.copy()
     for first, last in spans(~flags):

@@ -20,6 +20,7 @@ COMMANDS = {
     "length": "how long a blend should last",
     "blend": "join two motions and write the result",
     "graph": "motion graphs: build, show, search for demands, shortest path",
+    "embed": "poses in few dimensions, and motion decoded from them",
     "score": "how natural motions are, by feet, balance and flight",
     "weights": "weights of the pose cost from labelled transitions",
     "render": "build or complete a protocol's stimulus set",

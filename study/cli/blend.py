@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 METHOD_NAMES = (
     "cut", "fixed", "geodesic", "velocity", "velocity-speed", "timewarp", "per-joint",
-    "inertialization", "inertialization-spring", "dead-blending", "motion-graph",
+    "inertialization", "inertialization-spring", "dead-blending", "motion-graph", "manifold",
 )  # fmt: skip
 _SECONDS = 6.0  # of the clip around a cut that is looked for
 _LONGEST = 120.0
@@ -20,6 +20,7 @@ _LONGEST = 120.0
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     from study.cli.clips import add_point_arguments
     from study.cli.common import (
+        COUNT,
         TAU,
         add_motions_option,
         add_specification_option,
@@ -51,6 +52,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--tau", type=TAU, default=1.0,
         help="cost below which motion-graph cuts, through all clips of --motions (default 1)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--neighbours", type=COUNT, default=7, metavar="K",
+        help="of each frame in the embedding that manifold goes through (default 7)",
     )  # fmt: skip
     parser.add_argument("--smooth", action="store_true", help="ease the weights by a smoothstep")
     parser.add_argument("--no-foot-lock", action="store_true", help="let feet slide as they will")
@@ -133,6 +138,11 @@ def _join(args: argparse.Namespace, library: "Library") -> tuple["Transition", t
         from study.cli.collections import shortest_route
 
         route = shortest_route(library, a, b, args.tau)
+    elif args.method == "manifold":
+        from stimuli.manifold import passing
+
+        names = a.clip.name, b.clip.name
+        route = passing(a.clip.motion, b.clip.motion, a.frame, b.frame, names, args.neighbours)
     joined = transition(
         a.motion,
         b.motion,

@@ -247,8 +247,11 @@ def _methods(document: Mapping[str, Any]) -> Iterator[Fault]:
 
 def _through(document: Mapping[str, Any], method: str) -> Iterator[Fault]:
     """A method that goes through other motions is told which, in every set."""
+    from stimuli.transition import METHODS
+
     for name, table in table_at(document, "sets").items():
-        if isinstance(table, Mapping) and "collection" not in table:
+        needed = METHODS[method].through == "collection"
+        if needed and isinstance(table, Mapping) and "collection" not in table:
             message = f'{method} needs a collection of clips, such as clips = ["walk*"]; add it'
             yield Fault(("sets", str(name), "collection"), message)
     if table_at(document, "stimuli").get("specification", "start-end") != "start-end":

@@ -9,9 +9,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from tests.benchmarks import graphs, motion, render, session, sets, statistics
+from tests.benchmarks import graphs, manifolds, motion, render, session, sets, statistics
 
-MODULES = (motion, graphs, statistics, render, sets, session)
+MODULES = (motion, graphs, manifolds, statistics, render, sets, session)
 
 
 def main(names: Sequence[str] = ()) -> int:

@@ -15,7 +15,7 @@ from stimuli.motion import quaternions as quat
 from stimuli.motion.formats.bvh_write import write_bvh
 from stimuli.sets import SetSpec, build, naming, resolve
 from stimuli.sets.group import plan_group
-from stimuli.sets.naming import GRID, axes, motion_digest, same_pictures
+from stimuli.sets.naming import GRID, motion_digest, same_pictures
 from stimuli.transition import transition, with_room
 from tests.stimuli.sets import recipe
 
@@ -180,8 +180,8 @@ def test_no_written_number_lies_at_an_edge_of_the_grid(whole: int, decimals: int
 def test_axes_are_those_of_the_rotation() -> None:
     turns = quat.exp(np.random.default_rng(1).normal(0, 1, (50, 3)))
     for q in (turns, -turns):
-        np.testing.assert_allclose(axes(q)[:, :3], quat.rotate(q, np.eye(3)[0]), atol=1e-12)
-        np.testing.assert_allclose(axes(q)[:, 3:], quat.rotate(q, np.eye(3)[1]), atol=1e-12)
+        np.testing.assert_allclose(quat.axes(q)[:, :3], quat.rotate(q, np.eye(3)[0]), atol=1e-12)
+        np.testing.assert_allclose(quat.axes(q)[:, 3:], quat.rotate(q, np.eye(3)[1]), atol=1e-12)
 
 
 def test_clips_that_nobody_could_tell_apart_are_one(library: Library) -> None:
